@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/egraph/types.hpp"
+#include "common/image/rgbd_frame.hpp"
+#include "common/mapping/mesh.hpp"
+#include "common/messages/control.hpp"
+#include "common/tracking/pose_estimate.hpp"
+
+/// Domain types to message bytes and back. decode() accepts only what is whole, within bounds and finite; the error names
+/// the field. The message types are in lcmtypes/.
+namespace eg::messages {
+
+using Bytes = std::vector<std::uint8_t>;
+using ByteView = std::span<const std::uint8_t>;
+
+Bytes encode(const image::RgbdFrame& frame);
+Bytes encode(const features::FrameFeatures& features);
+Bytes encode(const tracking::PoseEstimate& pose);
+Bytes encode(const tracking::PoseCorrection& correction);
+Bytes encode(const egraph::Keyframe& keyframe);
+Bytes encode(const egraph::GraphUpdate& update);
+Bytes encode(const egraph::GraphSnapshot& snapshot);
+Bytes encode(const mapping::MeshChunk& chunk);
+Bytes encode(const GraphRequest& request);
+Bytes encode(const Acknowledge& acknowledge);
+Bytes encode(const EndOfStream& end);
+Bytes encode(const Control& control);
+Bytes encode(const ControlReply& reply);
+Bytes encode(const ServiceStatus& status);
+
+/// T is any of the types above.
+template <typename T>
+base::Result<T> decode(ByteView bytes);
+
+template <> base::Result<image::RgbdFrame> decode(ByteView bytes);
+template <> base::Result<features::FrameFeatures> decode(ByteView bytes);
+template <> base::Result<tracking::PoseEstimate> decode(ByteView bytes);
+template <> base::Result<tracking::PoseCorrection> decode(ByteView bytes);
+template <> base::Result<egraph::Keyframe> decode(ByteView bytes);
+template <> base::Result<egraph::GraphUpdate> decode(ByteView bytes);
+template <> base::Result<egraph::GraphSnapshot> decode(ByteView bytes);
+template <> base::Result<mapping::MeshChunk> decode(ByteView bytes);
+template <> base::Result<GraphRequest> decode(ByteView bytes);
+template <> base::Result<Acknowledge> decode(ByteView bytes);
+template <> base::Result<EndOfStream> decode(ByteView bytes);
+template <> base::Result<Control> decode(ByteView bytes);
+template <> base::Result<ControlReply> decode(ByteView bytes);
+template <> base::Result<ServiceStatus> decode(ByteView bytes);
+
+}  // namespace eg::messages

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "common/base/result.hpp"
+#include "common/messages/codec.hpp"
+#include "common/service/status_reporter.hpp"
+#include "common/transport/bus.hpp"
+
+namespace eg::service {
+
+/// What every service has on its command line (or in the environment, as EGRAPH_LCM_URL, EGRAPH_CHANNEL_PREFIX, EGRAPH_OUT,
+/// EGRAPH_LOCKSTEP), so that procman files need to name nothing but the programs.
+struct ServiceOptions {
+  std::string name;            ///< of the service, e.g. "tracker"
+  std::string lcm_url;         ///< --lcm-url
+  std::string channel_prefix;  ///< --channel-prefix
+  std::filesystem::path out;   ///< --out; empty: save nothing
+  bool lockstep = false;       ///< --lockstep
+};
+
+/// What a service is given to work with: typed publish and subscribe, options and status.
+class ServiceContext {
+ public:
+  ServiceContext(transport::Bus& bus, ServiceOptions options);
+
+  [[nodiscard]] const ServiceOptions& options() const { return options_; }
+  StatusReporter& status() { return status_; }
+
+  /// Encodes and sends. A failure is counted in the status and logged.
+  template <typename T>
+  void publish(const char* channel, const T& value) {
+    publish_bytes(channel, messages::encode(value));
+  }
+
+  /// Decodes and validates before `handler` sees a message; what fails is counted and reported, never fatal.
+  template <typename T>
+  void subscribe(const char* channel, int queue_capacity, std::function<void(const T&)> handler) {
+    subscribe_bytes(channel, queue_capacity, [this, channel, handler = std::move(handler)](messages::ByteView bytes) {
+      const auto value = messages::decode<T>(bytes);
+      if (value) {
+        handler(*value);
+      } else {
+        status_.count_rejected(std::string(channel) + ": " + value.error().message);
+      }
+    });
+  }
+
+ private:
+  void publish_bytes(const char* channel, const messages::Bytes& bytes);
+  void subscribe_bytes(const char* channel, int queue_capacity, std::function<void(messages::ByteView)> handler);
+
+  transport::Bus& bus_;
+  ServiceOptions options_;
+  StatusReporter status_;
+};
+
+/// A service subscribes in its constructor and then only reacts. It runs in one thread.
+class Service {
+ public:
+  virtual ~Service() = default;
+
+  /// Called after every round of messages and at least every 20 ms: timers, resends. `now_utime`: monotonic, microseconds.
+  virtual void idle(std::int64_t /*now_utime*/) {}
+
+  /// Writes results into options().out, whole or not at all. Called on Control::save and once before the process ends.
+  virtual base::Status save() { return {}; }
+
+  /// True when there is nothing left to do: the process then saves and ends.
+  [[nodiscard]] virtual bool finished() const { return false; }
+};
+
+/// The main() of a service: command line, signals (SIGINT, SIGTERM, SIGHUP: save and end), bus, message loop, Control,
+/// 1 Hz status. Returns the exit code.
+struct ServiceProgram {
+  std::string name;         ///< "tracker"; the program is egraph-<name with dashes>
+  std::string description;  ///< first line of --help
+  /// YAML configuration (--config FILE, strict) is applied by the service itself from `config_file`.
+  std::function<base::Result<std::unique_ptr<Service>>(ServiceContext&)> make;
+};
+
+}  // namespace eg::service

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/messages/control.hpp"
+
+namespace eg::service {
+
+/// Counts what a service does and makes its ServiceStatus.
+class StatusReporter {
+ public:
+  explicit StatusReporter(std::string service_name);
+
+  /// One frame or message was processed in `latency_ms`.
+  void count_frame(double latency_ms);
+  /// `sequence` of the stream came in; a jump forward counts the missing ones as dropped.
+  void count_sequence(std::int64_t session, std::int64_t sequence);
+  /// A message failed validation.
+  void count_rejected(const std::string& why);
+  void set_state(std::string state);
+
+  /// The status now; utime from the caller, CPU and memory from the operating system.
+  [[nodiscard]] messages::ServiceStatus status(std::int64_t utime) const;
+
+ private:
+  messages::ServiceStatus status_;
+  std::vector<float> latencies_ms_;
+  std::int64_t session_ = 0;
+  std::int64_t next_sequence_ = -1;
+};
+
+}  // namespace eg::service
