@@ -12,16 +12,21 @@
 #include "common/service/status_reporter.hpp"
 #include "common/transport/bus.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace eg::service {
 
-/// What every service has on its command line (or in the environment, as EGRAPH_LCM_URL, EGRAPH_CHANNEL_PREFIX, EGRAPH_OUT,
-/// EGRAPH_LOCKSTEP), so that procman files need to name nothing but the programs.
+/// What every service has on its command line (or in the environment, as EGRAPH_LCM_URL, EGRAPH_CHANNEL_PREFIX,
+/// EGRAPH_CONFIG, EGRAPH_OUT, EGRAPH_LOCKSTEP=1), so that procman files need to name nothing but the programs.
 struct ServiceOptions {
-  std::string name;            ///< of the service, e.g. "tracker"
-  std::string lcm_url;         ///< --lcm-url
-  std::string channel_prefix;  ///< --channel-prefix
-  std::filesystem::path out;   ///< --out; empty: save nothing
-  bool lockstep = false;       ///< --lockstep
+  std::string name;                   ///< of the service, e.g. "tracker"
+  std::string lcm_url;                ///< --lcm-url
+  std::string channel_prefix;         ///< --channel-prefix
+  std::filesystem::path config_file;  ///< --config; empty: the defaults
+  std::filesystem::path out;          ///< --out, an existing folder; empty: save nothing
+  bool lockstep = false;              ///< --lockstep
 };
 
 /// What a service is given to work with: typed publish and subscribe, options and status.
@@ -65,7 +70,8 @@ class Service {
  public:
   virtual ~Service() = default;
 
-  /// Called after every round of messages and at least every 20 ms: timers, resends. `now_utime`: monotonic, microseconds.
+  /// Called after every round of messages and at least every 20 ms: timers, resends. `now_utime`: monotonic,
+  /// microseconds.
   virtual void idle(std::int64_t /*now_utime*/) {}
 
   /// Writes results into options().out, whole or not at all. Called on Control::save and once before the process ends.
@@ -75,13 +81,24 @@ class Service {
   [[nodiscard]] virtual bool finished() const { return false; }
 };
 
-/// The main() of a service: command line, signals (SIGINT, SIGTERM, SIGHUP: save and end), bus, message loop, Control,
-/// 1 Hz status. Returns the exit code.
+/// What a service's main() hands to run_service().
 struct ServiceProgram {
   std::string name;         ///< "tracker"; the program is egraph-<name with dashes>
   std::string description;  ///< first line of --help
-  /// YAML configuration (--config FILE, strict) is applied by the service itself from `config_file`.
+
+  /// Makes the service and its subscriptions. It reads options().config_file itself: strictly, an unknown key is an
+  /// error.
   std::function<base::Result<std::unique_ptr<Service>>(ServiceContext&)> make;
+
+  /// Optional: adds options of the service's own to the command line (CLI/CLI.hpp; give each an envname).
+  std::function<void(CLI::App&)> add_options;
+
+  /// Optional: the configuration in force, as YAML, for --print-config.
+  std::function<base::Result<std::string>(const ServiceOptions&)> print_config;
 };
+
+/// The main() of a service: command line, signals (SIGINT, SIGTERM, SIGHUP: save and end with 0), bus, message loop,
+/// Control, 1 Hz status. Returns the exit code; what went wrong is one line on stderr.
+int run_service(const ServiceProgram& program, int argc, const char* const* argv);
 
 }  // namespace eg::service

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "common/messages/control.hpp"
+#include "common/service/latency_histogram.hpp"
 
 namespace eg::service {
 
@@ -15,7 +15,7 @@ class StatusReporter {
 
   /// One frame or message was processed in `latency_ms`.
   void count_frame(double latency_ms);
-  /// `sequence` of the stream came in; a jump forward counts the missing ones as dropped.
+  /// `sequence` of the stream came in; a jump forward counts the missing ones as dropped. A new session counts afresh.
   void count_sequence(std::int64_t session, std::int64_t sequence);
   /// A message failed validation.
   void count_rejected(const std::string& why);
@@ -26,7 +26,7 @@ class StatusReporter {
 
  private:
   messages::ServiceStatus status_;
-  std::vector<float> latencies_ms_;
+  LatencyHistogram latencies_;
   std::int64_t session_ = 0;
   std::int64_t next_sequence_ = -1;
 };

@@ -1,0 +1,80 @@
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <exception>
+#include <system_error>
+
+#include "common/service/command_line.hpp"
+#include "common/service/logging.hpp"
+#include "common/service/service.hpp"
+#include "common/service/service_loop.hpp"
+#include "common/service/stop_signals.hpp"
+#include "common/transport/lcm_bus.hpp"
+
+namespace eg::service {
+namespace {
+
+constexpr std::chrono::milliseconds kStep{20};
+
+int report(const std::string& message) {
+  spdlog::error(message);
+  return 1;
+}
+
+int print_config(const ServiceProgram& program, const ServiceOptions& options) {
+  if (!program.print_config) return 0;
+  const base::Result<std::string> yaml = program.print_config(options);
+  if (!yaml) return report(yaml.error().message);
+  std::fputs(yaml->c_str(), stdout);
+  return 0;
+}
+
+/// Runs until the end is asked for, or something goes wrong. In any case the results are saved.
+int run_loop(ServiceLoop& loop) {
+  int exit_code = 0;
+  try {
+    while (!stop_requested() && !loop.ended()) {
+      const base::Status step = loop.step(kStep);
+      if (!step && !stop_requested()) {
+        exit_code = report(step.error().message);
+        break;
+      }
+    }
+  } catch (const std::exception& exception) {
+    exit_code = report(exception.what());
+  }
+  const base::Status saved = loop.save();
+  return saved ? exit_code : report(saved.error().message);
+}
+
+int run(const ServiceProgram& program, const ServiceOptions& options) {
+  if (!options.out.empty()) {
+    std::error_code failure;
+    std::filesystem::create_directories(options.out, failure);
+    if (failure) return report("cannot make the folder " + options.out.string() + ": " + failure.message());
+  }
+  auto bus = transport::LcmBus::create({options.lcm_url, options.channel_prefix});
+  if (!bus) return report(bus.error().message);
+  ServiceContext context(**bus, options);
+  auto service = program.make(context);
+  if (!service) return report(service.error().message);
+  ServiceLoop loop(**bus, context, **service);
+  return run_loop(loop);
+}
+
+}  // namespace
+
+int run_service(const ServiceProgram& program, int argc, const char* const* argv) {
+  log_to_stderr(program.name);
+  const auto parsed = parse_command_line(program, argc, argv);
+  if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
+  const CommandLine& line = std::get<CommandLine>(parsed);
+  catch_stop_signals();
+  try {
+    return line.print_config ? print_config(program, line.options) : run(program, line.options);
+  } catch (const std::exception& exception) {
+    return report(exception.what());
+  }
+}
+
+}  // namespace eg::service
