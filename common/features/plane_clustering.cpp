@@ -1,0 +1,180 @@
+#include "common/features/plane_clustering.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+#include <queue>
+#include <tuple>
+
+namespace eg::features {
+namespace {
+
+/// The plane of the union of two regions, unless one of them does not fit it.
+std::optional<PlaneFit> fit_union(const PlaneMoments& left, const PlaneMoments& right, double max_squared_error) {
+  const PlaneFit fit = fit_plane(left + right);
+  if (!fit.valid || left.mean_squared_error(fit.plane) > max_squared_error ||
+      right.mean_squared_error(fit.plane) > max_squared_error) {
+    return std::nullopt;
+  }
+  return fit;
+}
+
+/// Disjoint sets of blocks with the moments of each set.
+class BlockSets {
+ public:
+  explicit BlockSets(const BlockGrid& grid) : parents_(grid.moments.size()), moments_(grid.moments) {
+    std::iota(parents_.begin(), parents_.end(), 0);
+  }
+
+  int find(int block) {
+    while (parent(block) != block) block = parent(block) = parent(parent(block));
+    return block;
+  }
+
+  [[nodiscard]] const PlaneMoments& moments(int root) const { return moments_[static_cast<std::size_t>(root)]; }
+
+  void unite(int a, int b) {
+    if (moments(a).pixels < moments(b).pixels) std::swap(a, b);
+    parent(b) = a;
+    moments_[static_cast<std::size_t>(a)] += moments(b);
+  }
+
+ private:
+  int& parent(int block) { return parents_[static_cast<std::size_t>(block)]; }
+
+  std::vector<int> parents_;
+  std::vector<PlaneMoments> moments_;
+};
+
+/// Two neighbouring blocks and the error of the union of the sets they belonged to when it was last computed.
+struct Edge {
+  double cost = 0;
+  int a = 0;
+  int b = 0;
+  double pixels = 0;  ///< of that union; sets only grow, so another number tells that the cost is out of date
+
+  bool operator>(const Edge& other) const { return std::tie(cost, a, b) > std::tie(other.cost, other.a, other.b); }
+};
+
+/// The heap of edges. An edge whose sets have grown is brought up to date only when it reaches the top: a large region
+/// has hundreds of edges, and refreshing all of them at every merge would cost more than everything else together.
+class EdgeHeap {
+ public:
+  EdgeHeap(BlockSets& sets, double max_error) : sets_(sets), max_squared_error_(max_error * max_error) {}
+
+  void push(int a, int b) {
+    const int root_a = sets_.find(a);
+    const int root_b = sets_.find(b);
+    if (root_a == root_b) return;
+    const auto fit = fit_union(sets_.moments(root_a), sets_.moments(root_b), max_squared_error_);
+    if (fit) heap_.push({fit->mean_squared_error, a, b, union_pixels(root_a, root_b)});
+  }
+
+  void merge_all() {
+    while (!heap_.empty()) {
+      const Edge edge = heap_.top();
+      heap_.pop();
+      const int root_a = sets_.find(edge.a);
+      const int root_b = sets_.find(edge.b);
+      if (root_a == root_b) continue;
+      if (edge.pixels == union_pixels(root_a, root_b)) {
+        sets_.unite(root_a, root_b);
+      } else {
+        push(edge.a, edge.b);
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] double union_pixels(int root_a, int root_b) const {
+    return sets_.moments(root_a).pixels + sets_.moments(root_b).pixels;
+  }
+
+  BlockSets& sets_;
+  double max_squared_error_;
+  std::priority_queue<Edge, std::vector<Edge>, std::greater<>> heap_;
+};
+
+void push_neighbours(const BlockGrid& grid, EdgeHeap& heap) {
+  const auto usable = [&](int block) { return grid.fits[static_cast<std::size_t>(block)].valid; };
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const int block = row * grid.columns + column;
+      if (!usable(block)) continue;
+      if (column + 1 < grid.columns && usable(block + 1)) heap.push(block, block + 1);
+      if (row + 1 < grid.rows && usable(block + grid.columns)) heap.push(block, block + grid.columns);
+    }
+  }
+}
+
+/// The largest sets' roots, by falling number of pixels.
+std::vector<int> largest_roots(const BlockGrid& grid, BlockSets& sets, double min_pixels, int max_regions) {
+  std::vector<int> roots;
+  for (int block = 0; block < grid.block_count(); ++block) {
+    const bool is_root = grid.fits[static_cast<std::size_t>(block)].valid && sets.find(block) == block;
+    if (is_root && sets.moments(block).pixels >= min_pixels) roots.push_back(block);
+  }
+  std::stable_sort(roots.begin(), roots.end(),
+                   [&](int a, int b) { return sets.moments(a).pixels > sets.moments(b).pixels; });
+  if (roots.size() > static_cast<std::size_t>(max_regions)) roots.resize(static_cast<std::size_t>(max_regions));
+  return roots;
+}
+
+}  // namespace
+
+BlockClusters cluster_blocks(const BlockGrid& grid, double max_merge_error, double min_pixels, int max_regions) {
+  BlockSets sets(grid);
+  EdgeHeap heap(sets, max_merge_error);
+  push_neighbours(grid, heap);
+  heap.merge_all();
+
+  BlockClusters clusters;
+  clusters.region_of_block.assign(static_cast<std::size_t>(grid.block_count()), -1);
+  std::vector<int> region_of_root(clusters.region_of_block);
+  for (const int root : largest_roots(grid, sets, min_pixels, max_regions)) {
+    region_of_root[static_cast<std::size_t>(root)] = static_cast<int>(clusters.regions.size());
+    clusters.regions.push_back({sets.moments(root), fit_plane(sets.moments(root)).plane});
+  }
+  for (int block = 0; block < grid.block_count(); ++block) {
+    const auto index = static_cast<std::size_t>(block);
+    if (grid.fits[index].valid) {
+      clusters.region_of_block[index] = region_of_root[static_cast<std::size_t>(sets.find(block))];
+    }
+  }
+  return clusters;
+}
+
+std::vector<int> merge_coplanar(std::vector<PlaneRegion>& regions, double max_error) {
+  std::vector<int> order(regions.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+    return regions[static_cast<std::size_t>(i)].moments.pixels > regions[static_cast<std::size_t>(j)].moments.pixels;
+  });
+  std::vector<int> new_index(regions.size(), -1);
+  std::vector<PlaneRegion> merged;
+  for (const int i : order) {
+    const PlaneRegion& region = regions[static_cast<std::size_t>(i)];
+    // Of all larger planes, the one that the union fits best.
+    int best = -1;
+    PlaneFit best_fit;
+    for (std::size_t j = 0; j < merged.size(); ++j) {
+      const auto fit = fit_union(merged[j].moments, region.moments, max_error * max_error);
+      if (fit && (best < 0 || fit->mean_squared_error < best_fit.mean_squared_error)) {
+        best = static_cast<int>(j);
+        best_fit = *fit;
+      }
+    }
+    if (best < 0) {
+      best = static_cast<int>(merged.size());
+      merged.push_back(region);
+    } else {
+      merged[static_cast<std::size_t>(best)].moments += region.moments;
+      merged[static_cast<std::size_t>(best)].plane = best_fit.plane;
+    }
+    new_index[static_cast<std::size_t>(i)] = best;
+  }
+  regions = std::move(merged);
+  return new_index;
+}
+
+}  // namespace eg::features

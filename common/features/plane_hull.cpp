@@ -1,0 +1,81 @@
+#include "common/features/plane_hull.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "common/geometry/so3.hpp"
+
+namespace eg::features {
+namespace {
+
+/// The leftmost and rightmost pixel of every label in every row: they hold every corner of the hulls.
+std::vector<std::vector<cv::Point>> row_ends(const cv::Mat& labels, std::size_t count) {
+  std::vector<std::vector<cv::Point>> ends(count);
+  for (int v = 0; v < labels.rows; ++v) {
+    const auto* label = labels.ptr<std::uint8_t>(v);
+    for (int u = 0; u < labels.cols; ++u) {
+      if (label[u] == 0 || (u > 0 && u + 1 < labels.cols && label[u - 1] == label[u] && label[u + 1] == label[u])) {
+        continue;
+      }
+      auto& points = ends[label[u] - 1U];
+      // The last two entries of a label are this row's ends so far.
+      const std::size_t size = points.size();
+      if (size >= 2 && points[size - 1].y == v && points[size - 2].y == v) {
+        points[size - 1].x = u;
+      } else {
+        points.emplace_back(u, v);
+      }
+    }
+  }
+  return ends;
+}
+
+double corner_area(const std::vector<cv::Point2f>& hull, std::size_t corner) {
+  const cv::Point2f before = hull[(corner + hull.size() - 1) % hull.size()] - hull[corner];
+  const cv::Point2f after = hull[(corner + 1) % hull.size()] - hull[corner];
+  return std::abs(before.cross(after));
+}
+
+/// Cuts the corners off that matter least (Visvalingam and Whyatt, Cartographic Journal 1993). The result lies inside.
+void simplify(std::vector<cv::Point2f>& hull, std::size_t max_points) {
+  while (hull.size() > max_points) {
+    std::size_t least = 0;
+    double least_area = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < hull.size(); ++i) {
+      const double area = corner_area(hull, i);
+      if (area < least_area) {
+        least = i;
+        least_area = area;
+      }
+    }
+    hull.erase(hull.begin() + static_cast<std::ptrdiff_t>(least));
+  }
+}
+
+}  // namespace
+
+void add_hulls(const cv::Mat& labels, const BlockGrid& grid, std::vector<PlaneFeature>& planes) {
+  const auto ends = row_ends(labels, planes.size());
+  std::vector<cv::Point2f> points, hull;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    PlaneFeature& feature = planes[i];
+    const Eigen::Matrix<double, 3, 2> axes = geometry::tangent_basis(feature.plane.normal);
+    points.clear();
+    for (const cv::Point& pixel : ends[i]) {
+      const Eigen::Vector3d ray(grid.ray_x[static_cast<std::size_t>(pixel.x)],
+                                grid.ray_y[static_cast<std::size_t>(pixel.y)], 1.0);
+      const double depth = -feature.plane.distance / feature.plane.normal.dot(ray);
+      const Eigen::Vector2d on_plane = axes.transpose() * (depth * ray - feature.centroid);
+      points.emplace_back(static_cast<float>(on_plane.x()), static_cast<float>(on_plane.y()));
+    }
+    cv::convexHull(points, hull);
+    simplify(hull, kMaxHullPoints);
+    for (const cv::Point2f& corner : hull) {
+      feature.hull.push_back(feature.centroid + axes * Eigen::Vector2d(corner.x, corner.y));
+    }
+  }
+}
+
+}  // namespace eg::features

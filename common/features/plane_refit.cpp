@@ -1,0 +1,95 @@
+#include "common/features/plane_refit.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace eg::features {
+namespace {
+
+/// Splits the pixels of one block by label.
+class BlockSplitter {
+ public:
+  explicit BlockSplitter(const BlockGrid& grid) : grid_(grid) {}
+
+  void split(const cv::Rect& block, const cv::Mat& labels, std::vector<RegionPatch>& patches) {
+    for (int v = block.y; v < block.y + block.height; ++v) {
+      const auto* label = labels.ptr<std::uint8_t>(v);
+      const auto* w = grid_.inverse_depth.ptr<float>(v);
+      for (int u = block.x; u < block.x + block.width; ++u) {
+        if (label[u] > 0) patch_of(label[u] - 1, patches).moments.add(ray_x(u), ray_y(v), w[u]);
+      }
+    }
+    for (std::size_t i = 0; i < used_; ++i) weight_by_noise(patches[patches.size() - used_ + i].moments);
+    used_ = 0;
+  }
+
+ private:
+  [[nodiscard]] double ray_x(int u) const { return grid_.ray_x[static_cast<std::size_t>(u)]; }
+  [[nodiscard]] double ray_y(int v) const { return grid_.ray_y[static_cast<std::size_t>(v)]; }
+
+  /// This block's patch of a region: one of the last `used_`.
+  RegionPatch& patch_of(int region, std::vector<RegionPatch>& patches) {
+    for (std::size_t i = patches.size() - used_; i < patches.size(); ++i) {
+      if (patches[i].region == region) return patches[i];
+    }
+    ++used_;
+    return patches.emplace_back(RegionPatch{region, {}});
+  }
+
+  const BlockGrid& grid_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace
+
+void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vector<RegionPatch>& patches) {
+  patches.clear();
+  BlockSplitter splitter(grid);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const auto block = static_cast<std::size_t>(row * grid.columns + column);
+      if (labels.seed_of_block[block] >= 0) {
+        patches.push_back({labels.seed_of_block[block], grid.moments[block]});
+      } else {
+        splitter.split(grid.pixels_of(column, row), labels.labels, patches);
+      }
+    }
+  }
+}
+
+std::vector<PlaneRegion> refit_regions(const std::vector<RegionPatch>& patches, int count) {
+  std::vector<PlaneRegion> regions(static_cast<std::size_t>(count));
+  for (const RegionPatch& patch : patches) regions[static_cast<std::size_t>(patch.region)].moments += patch.moments;
+  for (PlaneRegion& region : regions) region.plane = fit_plane(region.moments).plane;
+  return regions;
+}
+
+std::vector<PlaneScatter> scatter_of_regions(const std::vector<RegionPatch>& patches,
+                                             const std::vector<PlaneRegion>& regions) {
+  std::vector<PlaneScatter> scatters(regions.size());
+  for (const RegionPatch& patch : patches) {
+    if (patch.region < 0) continue;
+    PlaneScatter& scatter = scatters[static_cast<std::size_t>(patch.region)];
+    const PlaneMoments& m = patch.moments;
+    const Eigen::Vector3d score = m.score(regions[static_cast<std::size_t>(patch.region)].plane);
+    scatter.clusters += 1;
+    scatter.scores += score * score.transpose();
+    scatter.point_sum += m.pixels * Eigen::Vector3d(m.a, m.b, m.weight) / m.w;
+  }
+  return scatters;
+}
+
+Eigen::Matrix3d plane_covariance(const PlaneRegion& region, const PlaneScatter& scatter) {
+  const Eigen::Matrix3d inverse = region.moments.normal_matrix().inverse();
+  constexpr int kEnoughClusters = 8;
+  if (scatter.clusters < kEnoughClusters) {
+    // Too few to estimate from: as if the noise of each block were one single reading.
+    return inverse * (region.moments.pixels / std::max(1, scatter.clusters));
+  }
+  const double degrees_of_freedom = scatter.clusters - 3;
+  return inverse * scatter.scores * inverse * (scatter.clusters / degrees_of_freedom);
+}
+
+}  // namespace eg::features

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/features/plane_growing.hpp"
+
+namespace eg::features {
+
+/// The part of a region that lies in one block.
+struct RegionPatch {
+  int region = 0;
+  PlaneMoments moments;  ///< weighted by the sensor's noise
+};
+
+/// Every region's patches, block by block. Whole blocks reuse the block's moments; only blocks with a boundary are read
+/// again.
+void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vector<RegionPatch>& patches);
+
+/// Regions 0 to `count` - 1 with the planes that fit all of their pixels.
+std::vector<PlaneRegion> refit_regions(const std::vector<RegionPatch>& patches, int count);
+
+/// Sums that the covariance of one region's plane is made of.
+struct PlaneScatter {
+  int clusters = 0;                                     ///< patches that were counted
+  Eigen::Matrix3d scores = Eigen::Matrix3d::Zero();     ///< sum of score · scoreᵀ over patches
+  Eigen::Vector3d point_sum = Eigen::Vector3d::Zero();  ///< sum of the pixels' points, metres
+};
+
+std::vector<PlaneScatter> scatter_of_regions(const std::vector<RegionPatch>& patches,
+                                             const std::vector<PlaneRegion>& regions);
+
+/// Covariance of a fitted inverse-depth plane that holds for noise of any size that is correlated over less than a
+/// block: the cluster-robust ("sandwich") estimate of Liang and Zeger, Biometrika 1986, with blocks as clusters.
+Eigen::Matrix3d plane_covariance(const PlaneRegion& region, const PlaneScatter& scatter);
+
+}  // namespace eg::features
