@@ -3,19 +3,19 @@
 /// The names of the channels (docs/messages.md). A bus may put a prefix before them.
 namespace eg::messages::channels {
 
-inline constexpr char kRgbd[] = "RGBD";                      ///< frame_source → feature_extractor, mapper; stream
-inline constexpr char kFeatures[] = "FEATURES";              ///< feature_extractor → tracker; stream
-inline constexpr char kPose[] = "POSE";                      ///< tracker → mapper, viewers, robots; stream
-inline constexpr char kKeyframe[] = "KEYFRAME";              ///< tracker → egraph_server, mapper; state
-inline constexpr char kGraphUpdate[] = "EGRAPH_UPDATE";      ///< egraph_server → tracker; state
-inline constexpr char kGraphRequest[] = "EGRAPH_REQUEST";    ///< anyone → egraph_server: please send a snapshot
-inline constexpr char kGraphSnapshot[] = "EGRAPH";           ///< egraph_server → whoever asked
-inline constexpr char kPoseCorrection[] = "POSE_CORRECTION"; ///< egraph_server, tracker → mapper, tracker; state
-inline constexpr char kMeshChunk[] = "MESH_CHUNK";           ///< mapper → viewers; state
-inline constexpr char kStatus[] = "STATUS";                  ///< every service at 1 Hz; stream
-inline constexpr char kAcknowledge[] = "ACKNOWLEDGE";        ///< consumers → frame_source: a frame is done (lockstep)
-inline constexpr char kEndOfStream[] = "END_OF_STREAM";      ///< frame_source → everyone, until acknowledged
-inline constexpr char kControl[] = "CONTROL";                ///< egraph-run → services: save, shut down
-inline constexpr char kControlReply[] = "CONTROL_REPLY";     ///< services → egraph-run: done, or why not
+inline constexpr char kRgbd[] = "RGBD";                       ///< frame_source → feature_extractor, mapper; stream
+inline constexpr char kFeatures[] = "FEATURES";               ///< feature_extractor → tracker; stream
+inline constexpr char kPose[] = "POSE";                       ///< tracker → mapper, viewers, robots; stream
+inline constexpr char kKeyframe[] = "KEYFRAME";               ///< tracker → egraph_server, mapper; state
+inline constexpr char kGraphUpdate[] = "EGRAPH_UPDATE";       ///< egraph_server → tracker; state
+inline constexpr char kGraphRequest[] = "EGRAPH_REQUEST";     ///< anyone → egraph_server: please send a snapshot
+inline constexpr char kGraphSnapshot[] = "EGRAPH";            ///< egraph_server → whoever asked
+inline constexpr char kPoseCorrection[] = "POSE_CORRECTION";  ///< egraph_server, tracker → mapper, tracker; state
+inline constexpr char kMeshChunk[] = "MESH_CHUNK";            ///< mapper → viewers; state
+inline constexpr char kStatus[] = "STATUS";                   ///< every service at 1 Hz; stream
+inline constexpr char kAcknowledge[] = "ACKNOWLEDGE";     ///< consumers → frame_source: a frame is done (lockstep)
+inline constexpr char kEndOfStream[] = "END_OF_STREAM";   ///< frame_source → everyone, until acknowledged
+inline constexpr char kControl[] = "CONTROL";             ///< egraph-run → services: save, shut down
+inline constexpr char kControlReply[] = "CONTROL_REPLY";  ///< services → egraph-run: done, or why not
 
 }  // namespace eg::messages::channels

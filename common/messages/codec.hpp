@@ -5,20 +5,30 @@
 #include <vector>
 
 #include "common/base/result.hpp"
+#include "common/codec/colour_codec.hpp"
 #include "common/egraph/types.hpp"
 #include "common/image/rgbd_frame.hpp"
 #include "common/mapping/mesh.hpp"
 #include "common/messages/control.hpp"
 #include "common/tracking/pose_estimate.hpp"
 
-/// Domain types to message bytes and back. decode() accepts only what is whole, within bounds and finite; the error names
-/// the field. The message types are in lcmtypes/.
+/// Domain types to message bytes and back. decode() accepts only what is whole, within bounds and finite; the error
+/// names the field. No exception leaves it. The message types are in lcmtypes/, the rules in docs/messages.md.
+///
+/// What is decoded is bit for bit what was encoded, but for this: colour is as good as its encoding; of symmetric
+/// matrices the upper triangle is sent; texts are cut to their bounds and control characters in them become spaces.
 namespace eg::messages {
 
 using Bytes = std::vector<std::uint8_t>;
 using ByteView = std::span<const std::uint8_t>;
 
+struct RgbdEncoding {
+  codec::ColourEncoding colour = codec::ColourEncoding::jpeg;
+  int jpeg_quality = codec::kDefaultJpegQuality;  ///< 1 to 100
+};
+
 Bytes encode(const image::RgbdFrame& frame);
+Bytes encode(const image::RgbdFrame& frame, const RgbdEncoding& encoding);
 Bytes encode(const features::FrameFeatures& features);
 Bytes encode(const tracking::PoseEstimate& pose);
 Bytes encode(const tracking::PoseCorrection& correction);
@@ -37,19 +47,33 @@ Bytes encode(const ServiceStatus& status);
 template <typename T>
 base::Result<T> decode(ByteView bytes);
 
-template <> base::Result<image::RgbdFrame> decode(ByteView bytes);
-template <> base::Result<features::FrameFeatures> decode(ByteView bytes);
-template <> base::Result<tracking::PoseEstimate> decode(ByteView bytes);
-template <> base::Result<tracking::PoseCorrection> decode(ByteView bytes);
-template <> base::Result<egraph::Keyframe> decode(ByteView bytes);
-template <> base::Result<egraph::GraphUpdate> decode(ByteView bytes);
-template <> base::Result<egraph::GraphSnapshot> decode(ByteView bytes);
-template <> base::Result<mapping::MeshChunk> decode(ByteView bytes);
-template <> base::Result<GraphRequest> decode(ByteView bytes);
-template <> base::Result<Acknowledge> decode(ByteView bytes);
-template <> base::Result<EndOfStream> decode(ByteView bytes);
-template <> base::Result<Control> decode(ByteView bytes);
-template <> base::Result<ControlReply> decode(ByteView bytes);
-template <> base::Result<ServiceStatus> decode(ByteView bytes);
+template <>
+base::Result<image::RgbdFrame> decode(ByteView bytes);
+template <>
+base::Result<features::FrameFeatures> decode(ByteView bytes);
+template <>
+base::Result<tracking::PoseEstimate> decode(ByteView bytes);
+template <>
+base::Result<tracking::PoseCorrection> decode(ByteView bytes);
+template <>
+base::Result<egraph::Keyframe> decode(ByteView bytes);
+template <>
+base::Result<egraph::GraphUpdate> decode(ByteView bytes);
+template <>
+base::Result<egraph::GraphSnapshot> decode(ByteView bytes);
+template <>
+base::Result<mapping::MeshChunk> decode(ByteView bytes);
+template <>
+base::Result<GraphRequest> decode(ByteView bytes);
+template <>
+base::Result<Acknowledge> decode(ByteView bytes);
+template <>
+base::Result<EndOfStream> decode(ByteView bytes);
+template <>
+base::Result<Control> decode(ByteView bytes);
+template <>
+base::Result<ControlReply> decode(ByteView bytes);
+template <>
+base::Result<ServiceStatus> decode(ByteView bytes);
 
 }  // namespace eg::messages

@@ -51,17 +51,17 @@ struct ServiceStatus {
   std::string service;
   std::string host;
   std::int32_t pid = 0;
-  std::string state;                     ///< e.g. "running", "saving"
-  std::int64_t frames = 0;               ///< messages processed
-  std::int64_t dropped = 0;              ///< frames missed, by gaps in the sequence numbers
-  std::int64_t rejected = 0;             ///< messages that failed validation
-  std::string last_rejection;            ///< why the last of them did
+  std::string state;           ///< e.g. "running", "saving"
+  std::int64_t frames = 0;     ///< messages processed
+  std::int64_t dropped = 0;    ///< frames missed, by gaps in the sequence numbers
+  std::int64_t rejected = 0;   ///< messages that failed validation
+  std::string last_rejection;  ///< why the last of them did
   double latency_p50_ms = 0.0;
   double latency_p90_ms = 0.0;
   double latency_p99_ms = 0.0;
   double latency_max_ms = 0.0;
-  double cpu_seconds = 0.0;              ///< user and system time since start
-  std::int64_t peak_memory_bytes = 0;    ///< peak resident set
+  double cpu_seconds = 0.0;            ///< user and system time since start
+  std::int64_t peak_memory_bytes = 0;  ///< peak resident set
 };
 
 }  // namespace eg::messages

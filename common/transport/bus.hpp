@@ -20,8 +20,8 @@ struct ReceivedMessage {
   std::int64_t receive_utime = 0;  ///< microseconds
 };
 
-/// Publish and subscribe on named channels. Implementations: LCM (LcmBus), in memory (MemoryBus), LCM log file (LogBus).
-/// A bus is used by one thread.
+/// Publish and subscribe on named channels. Implementations: LCM (LcmBus), in memory (MemoryBus), LCM log file
+/// (LogBus). A bus is used by one thread.
 class Bus {
  public:
   using Handler = std::function<void(const ReceivedMessage&)>;
@@ -30,8 +30,8 @@ class Bus {
 
   virtual base::Status publish(std::string_view channel, std::span<const std::uint8_t> bytes) = 0;
 
-  /// Calls `handler` from handle() for every message on `channel`. At most `queue_capacity` messages wait (0: no bound);
-  /// then new ones are dropped. Subscriptions last as long as the bus.
+  /// Calls `handler` from handle() for every message on `channel`. At most `queue_capacity` messages wait (0: no
+  /// bound); then new ones are dropped. Subscriptions last as long as the bus.
   virtual base::Status subscribe(const std::string& channel, Handler handler, int queue_capacity) = 0;
 
   /// Waits at most `timeout` for messages and runs the handlers of those that are there. Returns how many were handled

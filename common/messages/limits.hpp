@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// What decode() accepts at most, beside the bounds in common/features/features.hpp. No array is allocated before its
+/// count is known to be within its bound and its bytes are known to be there, so that a message never costs more memory
+/// than a small multiple of its own size.
+namespace eg::messages {
+
+inline constexpr std::size_t kMaxName = 64;   ///< characters of service, host, state and camera names
+inline constexpr std::size_t kMaxText = 200;  ///< characters of reasons and other sentences
+
+inline constexpr int kMaxImagePixels = 1 << 24;
+inline constexpr int kMaxImageBytes = 1 << 24;  ///< of one compressed image
+
+inline constexpr int kMaxGraphNodes = 100'000;          ///< keyframes or landmarks
+inline constexpr int kMaxGraphEdges = 1'000'000;        ///< edges or observations
+inline constexpr int kMaxSharedLandmarks = 10'000'000;  ///< of all edges together
+inline constexpr int kMaxMeshVertices = 65'535;         ///< their indices have 16 bits
+inline constexpr int kMaxMeshTriangles = 1'000'000;
+inline constexpr int kMaxPyramidLevel = 63;
+
+/// Bound on times, sequence numbers and versions: their differences cannot overflow.
+inline constexpr std::int64_t kMaxCounter = std::int64_t{1} << 60;
+
+}  // namespace eg::messages
