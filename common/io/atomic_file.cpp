@@ -1,0 +1,60 @@
+#include "common/io/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace eg::io {
+namespace {
+
+/// A file of this process beside `path`; gone again unless it was renamed.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::filesystem::path& path)
+      : name_(path.string() + ".partial-" + std::to_string(::getpid())),
+        descriptor_(::open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {}
+  ~TemporaryFile() {
+    if (descriptor_ < 0) return;
+    ::close(descriptor_);
+    if (!renamed_) ::unlink(name_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+
+  bool write(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) return false;
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return true;
+  }
+
+  bool rename_to(const std::filesystem::path& path) {
+    renamed_ = ::rename(name_.c_str(), path.c_str()) == 0;
+    return renamed_;
+  }
+
+ private:
+  std::string name_;
+  int descriptor_;
+  bool renamed_ = false;
+};
+
+}  // namespace
+
+base::Status write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
+  const auto failed = [&] { return base::fail(path.string() + ": cannot be written: " + std::strerror(errno)); };
+  TemporaryFile file(path);
+  if (!file.is_open()) return failed();
+  if (!file.write(bytes) || !file.rename_to(path)) return failed();
+  return {};
+}
+
+}  // namespace eg::io
