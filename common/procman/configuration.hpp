@@ -46,7 +46,7 @@ struct ChangeAction {
   Verb verb = Verb::start;
   Selection selection;
   bool wait = false;
-  RunState wait_status = RunState::running;
+  RunState wait_state = RunState::running;
 };
 
 struct WaitTimeAction {
@@ -55,7 +55,7 @@ struct WaitTimeAction {
 
 struct WaitStatusAction {
   Selection selection;
-  RunState status = RunState::running;
+  RunState state = RunState::running;
 };
 
 struct RunScriptAction {

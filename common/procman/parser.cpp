@@ -183,7 +183,7 @@ class Parser {
     if (!take_keyword("everything")) change.selection = parse_selection("everything, cmd or group");
     if (take_keyword("wait")) {
       change.wait = true;
-      change.wait_status = parse_status();
+      change.wait_state = parse_run_state();
     }
     return change;
   }
@@ -196,7 +196,7 @@ class Parser {
     WaitStatusAction wait;
     wait.selection = parse_selection("ms, cmd or group");
     if (!take_keyword("status")) fail("expected status, found " + describe(token_));
-    wait.status = parse_status();
+    wait.state = parse_run_state();
     action.what = wait;
   }
 
@@ -206,7 +206,7 @@ class Parser {
     fail("expected " + expected + ", found " + describe(token_));
   }
 
-  RunState parse_status() {
+  RunState parse_run_state() {
     const Token token = take(Token::Kind::string, "\"running\" or \"stopped\"");
     if (token.text == "running") return RunState::running;
     if (token.text == "stopped") return RunState::stopped;

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "common/service/command_line.hpp"
+#include "common/service/configuration.hpp"
 #include "common/service/logging.hpp"
 #include "common/service/service.hpp"
 #include "common/service/service_loop.hpp"
@@ -19,14 +20,6 @@ constexpr std::chrono::milliseconds kStep{20};
 int report(const std::string& message) {
   spdlog::error(message);
   return 1;
-}
-
-int print_config(const ServiceProgram& program, const ServiceOptions& options) {
-  if (!program.print_config) return 0;
-  const base::Result<std::string> yaml = program.print_config(options);
-  if (!yaml) return report(yaml.error().message);
-  std::fputs(yaml->c_str(), stdout);
-  return 0;
 }
 
 /// Runs until the end is asked for, or something goes wrong. In any case the results are saved.
@@ -71,7 +64,15 @@ int run_service(const ServiceProgram& program, int argc, const char* const* argv
   const CommandLine& line = std::get<CommandLine>(parsed);
   catch_stop_signals();
   try {
-    return line.print_config ? print_config(program, line.options) : run(program, line.options);
+    const Configuration configuration(program);
+    if (const base::Status read = configuration.read(line.options.config_file); !read) {
+      return report(read.error().message);
+    }
+    if (line.print_config) {
+      std::fputs(configuration.print().c_str(), stdout);
+      return 0;
+    }
+    return run(program, line.options);
   } catch (const std::exception& exception) {
     return report(exception.what());
   }

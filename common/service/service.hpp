@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/result.hpp"
+#include "common/io/config.hpp"
 #include "common/messages/codec.hpp"
 #include "common/service/status_reporter.hpp"
 #include "common/transport/bus.hpp"
@@ -93,8 +94,9 @@ struct ServiceProgram {
   /// Optional: adds options of the service's own to the command line (CLI/CLI.hpp; give each an envname).
   std::function<void(CLI::App&)> add_options;
 
-  /// Optional: the configuration in force, as YAML, for --print-config.
-  std::function<base::Result<std::string>(const ServiceOptions&)> print_config;
+  /// Optional: the keys of the service's section in the configuration file. They refer to variables that outlive
+  /// run_service(), such as main()'s own. One file may hold a section for every service; each reads only its own.
+  std::function<void(io::ConfigSchema& section)> configure;
 };
 
 /// The main() of a service: command line, signals (SIGINT, SIGTERM, SIGHUP: save and end with 0), bus, message loop,

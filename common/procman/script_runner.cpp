@@ -1,0 +1,102 @@
+#include "common/procman/script_runner.hpp"
+
+#include "common/base/check.hpp"
+
+namespace eg::procman {
+namespace {
+
+template <typename... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+
+const char* to_string(RunState state) { return state == RunState::running ? "running" : "stopped"; }
+
+}  // namespace
+
+ScriptRunner::ScriptRunner(const Configuration& configuration, Supervisor& supervisor, const std::string& script,
+                           Options options)
+    : configuration_(configuration), supervisor_(supervisor), options_(options) {
+  const Script* found = configuration.find_script(script);
+  EG_CHECK(found != nullptr, "check_script() comes before running a script");
+  stack_.push_back({found, 0});
+}
+
+base::Status ScriptRunner::step(Clock::time_point now) {
+  while (!done()) {
+    if (wait_) {
+      const base::Result<bool> over = check_wait(now);
+      if (!over) return tl::make_unexpected(over.error());
+      if (!*over) return {};
+      wait_.reset();
+    }
+    Position& position = stack_.back();
+    if (position.next_action == position.script->actions.size()) {
+      stack_.pop_back();
+    } else {
+      carry_out(position.script->actions[position.next_action++], now);
+    }
+  }
+  return {};
+}
+
+void ScriptRunner::carry_out(const Action& action, Clock::time_point now) {
+  std::visit(Overloaded{
+                 [&](const ChangeAction& change) { carry_out(change, action.place, now); },
+                 [&](const WaitTimeAction& wait) {
+                   wait_ = Wait{{}, {}, now + wait.time, action.place};
+                 },
+                 [&](const WaitStatusAction& wait) { wait_for(wait.selection, wait.state, action.place, now); },
+                 [&](const RunScriptAction& run) {
+                   stack_.push_back({configuration_.find_script(run.script), 0});
+                 },
+             },
+             action.what);
+}
+
+void ScriptRunner::carry_out(const ChangeAction& action, Place place, Clock::time_point now) {
+  for (const std::size_t command : configuration_.select(action.selection)) {
+    switch (action.verb) {
+      case ChangeAction::Verb::start:
+        supervisor_.start(command);
+        break;
+      case ChangeAction::Verb::stop:
+        supervisor_.stop(command);
+        break;
+      case ChangeAction::Verb::restart:
+        supervisor_.restart(command);
+        break;
+    }
+  }
+  if (action.wait) wait_for(action.selection, action.wait_state, place, now);
+}
+
+void ScriptRunner::wait_for(const Selection& selection, RunState wanted, Place place, Clock::time_point now) {
+  std::vector<std::size_t> commands = configuration_.select(selection);
+  if (!commands.empty()) wait_ = Wait{std::move(commands), wanted, now + options_.wait_limit, place};
+}
+
+base::Result<bool> ScriptRunner::check_wait(Clock::time_point now) const {
+  if (wait_->commands.empty()) return now >= wait_->end;
+  for (const std::size_t index : wait_->commands) {
+    const std::string name = "command \"" + supervisor_.command(index).name + "\"";
+    const CommandState state = supervisor_.state(index);
+    const bool stopped = state == CommandState::stopped;
+    const bool failed = stopped && supervisor_.outcome(index) == Outcome::error;
+    if (wait_->wanted == RunState::running && failed) return fail(name + " is not running: it ended with an error");
+    // One that ran and ended well before anyone looked has been running.
+    const bool has_run = stopped && supervisor_.outcome(index) == Outcome::ok;
+    const bool fulfilled = wait_->wanted == RunState::stopped ? stopped : state == CommandState::running || has_run;
+    if (fulfilled) continue;
+    if (now < wait_->end) return false;
+    return fail(name + " was not " + to_string(wait_->wanted) + " after " +
+                std::to_string(options_.wait_limit.count()) + " ms");
+  }
+  return true;
+}
+
+tl::unexpected<base::Error> ScriptRunner::fail(const std::string& message) const {
+  return fail_at(configuration_.file_name, wait_->place, message);
+}
+
+}  // namespace eg::procman

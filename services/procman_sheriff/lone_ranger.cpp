@@ -1,0 +1,92 @@
+#include "services/procman_sheriff/lone_ranger.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <optional>
+
+#include "common/procman/script_runner.hpp"
+#include "common/procman/supervisor.hpp"
+
+namespace eg::procman_sheriff {
+namespace {
+
+using procman::Clock;
+using procman::Command;
+using procman::Configuration;
+
+constexpr std::chrono::milliseconds kTick{20};
+
+/// Prints "[name] line", unless the command already begins its lines so.
+void print_output(const Command& command, const std::string& line) {
+  const std::string prefix = "[" + command.name + "] ";
+  const bool has_prefix = line.starts_with(prefix);
+  std::fprintf(stderr, "%s%s\n", has_prefix ? "" : prefix.c_str(), line.c_str());
+}
+
+procman::CommandListener make_listener() {
+  return {print_output,
+          [](const Command& command, const std::string& event) { spdlog::info("{} {}", command.name, event); },
+          [](const Command& command, const std::string& problem) {
+            // What starts again by itself is not lost.
+            const auto level = command.auto_respawn ? spdlog::level::warn : spdlog::level::err;
+            spdlog::log(level, "{} {}", command.name, problem);
+          }};
+}
+
+/// A lone ranger has no deputies on other machines.
+base::Status check_hosts(const Configuration& configuration) {
+  for (const Command& command : configuration.commands) {
+    if (command.host.empty() || command.host == "localhost") continue;
+    return procman::fail_at(configuration.file_name, command.place,
+                            "command \"" + command.name + "\" is for host \"" + command.host +
+                                "\", but --lone-ranger runs commands of \"localhost\" only");
+  }
+  return {};
+}
+
+base::Result<Configuration> load(const LoneRangerOptions& options) {
+  auto configuration = procman::load_configuration(options.file);
+  if (!configuration) return configuration;
+  if (const base::Status hosts = check_hosts(*configuration); !hosts) return tl::make_unexpected(hosts.error());
+  if (options.script.empty()) return configuration;
+  if (const base::Status script = procman::check_script(*configuration, options.script); !script) {
+    return tl::make_unexpected(script.error());
+  }
+  return configuration;
+}
+
+base::Status check_outcomes(const procman::Supervisor& supervisor) {
+  for (std::size_t i = 0; i < supervisor.size(); ++i) {
+    if (supervisor.outcome(i) == procman::Outcome::error) {
+      return base::fail("command \"" + supervisor.command(i).name + "\" ended with an error");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+base::Status run_lone_ranger(const LoneRangerOptions& options, const LoneRangerSignals& signals) {
+  const auto configuration = load(options);
+  if (!configuration) return tl::make_unexpected(configuration.error());
+
+  procman::Supervisor supervisor(configuration->commands, make_listener());
+  std::optional<procman::ScriptRunner> script;
+  if (options.script.empty()) {
+    for (std::size_t i = 0; i < supervisor.size(); ++i) supervisor.start(i);
+  } else {
+    script.emplace(*configuration, supervisor, options.script, procman::ScriptRunner::Options{options.wait_limit});
+  }
+  base::Status status;
+  while (!signals.stop()) {
+    if (script) status = script->step(Clock::now());
+    if (!status || ((!script || script->done()) && !supervisor.busy())) break;
+    supervisor.poll(kTick);
+  }
+  if (status && !signals.stop()) status = check_outcomes(supervisor);
+  supervisor.stop_all(signals.hurry);
+  return status;
+}
+
+}  // namespace eg::procman_sheriff
