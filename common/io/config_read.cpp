@@ -16,6 +16,7 @@ namespace {
 struct Value {
   const std::string& file;
   const ConfigSchema::Field& field;
+  YAML::Node key;
   YAML::Node node;
 };
 
@@ -26,7 +27,9 @@ tl::unexpected<base::Error> error_at(const std::string& file, const YAML::Node& 
 tl::unexpected<base::Error> wrong_value(const Value& value, const std::string& wanted) {
   std::string found = value.node.IsMap() ? "a mapping" : value.node.IsSequence() ? "a list" : "nothing";
   if (value.node.IsScalar()) found = in_quotes(value.node.Scalar());
-  return error_at(value.file, value.node, "key '" + value.field.key + "' must be " + wanted + ", not " + found);
+  // The parser places a missing value on the next line.
+  const YAML::Node& place = value.node.IsNull() ? value.key : value.node;
+  return error_at(value.file, place, "key '" + value.field.key + "' must be " + wanted + ", not " + found);
 }
 
 std::string range_text(const Range& range) {
@@ -85,7 +88,7 @@ base::Status read_value(const Value& value, const ConfigSchema::List& target) {
         "key '" + value.field.key + "' must be " + wanted + ", but has " + std::to_string(value.node.size()));
   }
   for (std::size_t i = 0; i < target.count; ++i) {
-    const Value element{value.file, value.field, value.node[i]};
+    const Value element{value.file, value.field, value.key, value.node[i]};
     if (const auto status = read_number(element, target.values[i]); !status) return status;
   }
   return {};
@@ -133,7 +136,7 @@ base::Status read_mapping(const std::string& file, const YAML::Node& node, const
     const auto field = std::find_if(schema.fields().begin(), schema.fields().end(),
                                     [&](const auto& candidate) { return candidate.key == key.Scalar(); });
     if (field == schema.fields().end()) return unknown_key(file, key, schema);
-    const auto read = [&](const auto& target) { return read_value(Value{file, *field, entry.second}, target); };
+    const auto read = [&](const auto& target) { return read_value(Value{file, *field, key, entry.second}, target); };
     if (const auto status = std::visit(read, field->target); !status) return status;
   }
   for (const auto& field : schema.fields()) {
