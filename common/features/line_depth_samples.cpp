@@ -1,0 +1,85 @@
+#include "common/features/line_depth_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/features/point_depth.hpp"
+#include "common/geometry/depth_noise.hpp"
+
+namespace eg::features {
+namespace {
+
+constexpr int kMaxStations = 48;
+constexpr double kNear = 2.5;              // pixels off the segment: clear of blur and of misregistration
+constexpr double kFar = 5.0;               // pixels: far enough from kNear to tell a surface's slope
+constexpr double kMinOneSidedShare = 0.3;  // of the stations, for a segment to be at a depth edge
+
+/// z at the nearest pixel; 0: none.
+double depth_at(const cv::Mat& depth, const Eigen::Vector2d& pixel) {
+  const int x = static_cast<int>(std::lround(pixel.x()));
+  const int y = static_cast<int>(std::lround(pixel.y()));
+  if (x < 0 || y < 0 || x >= depth.cols || y >= depth.rows) return 0.0;
+  const float z = depth.at<float>(y, x);
+  return std::isfinite(z) && z > 0.0F ? z : 0.0;
+}
+
+int station_count(const Segment& segment) { return std::clamp(static_cast<int>(segment.length()), 2, kMaxStations); }
+
+double station_fraction(int station, int count) { return (station + 0.5) / count; }
+
+LineOwner find_owner(const cv::Mat& depth, const Segment& segment, int stations) {
+  const Eigen::Vector2d step = kNear * segment.normal();
+  int left = 0;
+  int right = 0;
+  for (int i = 0; i < stations; ++i) {
+    const Eigen::Vector2d pixel = segment.at(station_fraction(i, stations));
+    const double z_left = depth_at(depth, pixel - step);
+    const double z_right = depth_at(depth, pixel + step);
+    if (z_left <= 0.0 && z_right <= 0.0) continue;
+    const double jump = depth_jump(std::max(z_left, z_right));
+    if (z_right <= 0.0 || (z_left > 0.0 && z_left < z_right - jump)) ++left;
+    if (z_left <= 0.0 || (z_right > 0.0 && z_right < z_left - jump)) ++right;
+  }
+  if (left + right < kMinOneSidedShare * stations) return LineOwner::both;
+  return left >= right ? LineOwner::left : LineOwner::right;
+}
+
+void add_sample(LineDepthSamples& result, double fraction, double across, double z) {
+  ++result.expected;
+  if (z <= 0.0) return;
+  result.samples.push_back({2.0 * fraction - 1.0, across, 1.0 / z, geometry::depth_sigma(z) / (z * z)});
+}
+
+/// Depth on the segment itself, or the mean of its two sides if the pixel has none.
+double depth_on(const cv::Mat& depth, const Eigen::Vector2d& pixel, const Eigen::Vector2d& step) {
+  const double z = depth_at(depth, pixel);
+  if (z > 0.0) return z;
+  const double z_left = depth_at(depth, pixel - step);
+  const double z_right = depth_at(depth, pixel + step);
+  return z_left > 0.0 && z_right > 0.0 ? 0.5 * (z_left + z_right) : 0.0;
+}
+
+}  // namespace
+
+LineDepthSamples sample_line_depth(const cv::Mat& depth, const Segment& segment) {
+  const int stations = station_count(segment);
+  LineDepthSamples result;
+  result.owner = find_owner(depth, segment, stations);
+  const Eigen::Vector2d step = (result.owner == LineOwner::left ? -1.0 : 1.0) * segment.normal();
+  if (result.owner == LineOwner::both) {
+    for (int i = 0; i < stations; ++i) {
+      const double fraction = station_fraction(i, stations);
+      add_sample(result, fraction, 0.0, depth_on(depth, segment.at(fraction), kNear * step));
+    }
+    return result;
+  }
+  for (const double across : {kNear, kFar}) {
+    for (int i = 0; i < stations; ++i) {
+      const double fraction = station_fraction(i, stations);
+      add_sample(result, fraction, across, depth_at(depth, segment.at(fraction) + across * step));
+    }
+  }
+  return result;
+}
+
+}  // namespace eg::features

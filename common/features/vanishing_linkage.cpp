@@ -1,0 +1,125 @@
+#include "common/features/vanishing_linkage.hpp"
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+namespace eg::features {
+namespace {
+
+/// Similarity 1 - Jaccard distance, |A ∩ B| / |A ∪ B|, kept as a fraction so that comparisons are exact.
+struct Similarity {
+  int common = 0;
+  int all = 1;
+
+  friend bool operator>(const Similarity& a, const Similarity& b) { return a.common * b.all > b.common * a.all; }
+};
+
+/// The nearest later cluster of a cluster.
+struct Neighbour {
+  std::size_t index = 0;
+  Similarity similarity;
+};
+
+class Linkage {
+ public:
+  explicit Linkage(std::vector<PreferenceSet> sets)
+      : sets_(std::move(sets)),
+        sizes_(sets_.size()),
+        cluster_of_(sets_.size()),
+        alive_(sets_.size()),
+        nearest_(sets_.size()) {
+    std::iota(cluster_of_.begin(), cluster_of_.end(), std::size_t{0});
+    std::iota(alive_.begin(), alive_.end(), std::size_t{0});
+    for (std::size_t i = 0; i < sets_.size(); ++i) sizes_[i] = count(sets_[i]);
+    for (std::size_t position = 0; position < alive_.size(); ++position) find_nearest(position);
+  }
+
+  std::vector<int> run() {
+    while (merge_closest()) {
+    }
+    std::vector<int> labels(sets_.size());
+    std::vector<int> label_of_cluster(sets_.size(), -1);
+    int clusters = 0;
+    for (std::size_t i = 0; i < sets_.size(); ++i) {
+      int& label = label_of_cluster[root(i)];
+      if (label < 0) label = clusters++;
+      labels[i] = label;
+    }
+    return labels;
+  }
+
+ private:
+  static int count(const PreferenceSet& set) {
+    int bits = 0;
+    for (const std::uint64_t word : set) bits += std::popcount(word);
+    return bits;
+  }
+
+  [[nodiscard]] Similarity similarity(std::size_t a, std::size_t b) const {
+    int common = 0;
+    for (std::size_t word = 0; word < sets_[a].size(); ++word) common += std::popcount(sets_[a][word] & sets_[b][word]);
+    const int all = sizes_[a] + sizes_[b] - common;
+    return {common, all > 0 ? all : 1};
+  }
+
+  void find_nearest(std::size_t position) {
+    const std::size_t a = alive_[position];
+    nearest_[a] = {a, {}};
+    for (std::size_t later = position + 1; later < alive_.size(); ++later) consider(a, alive_[later]);
+  }
+
+  void consider(std::size_t a, std::size_t b) {
+    const Similarity candidate = similarity(a, b);
+    if (candidate > nearest_[a].similarity) nearest_[a] = {b, candidate};
+  }
+
+  /// False if no two clusters have a hypothesis in common.
+  bool merge_closest() {
+    std::size_t best = 0;
+    Similarity best_similarity;
+    for (const std::size_t a : alive_) {
+      if (!(nearest_[a].similarity > best_similarity)) continue;
+      best = a;
+      best_similarity = nearest_[a].similarity;
+    }
+    if (best_similarity.common == 0) return false;
+    merge(best, nearest_[best].index);
+    return true;
+  }
+
+  void merge(std::size_t kept, std::size_t gone) {
+    for (std::size_t word = 0; word < sets_[kept].size(); ++word) sets_[kept][word] &= sets_[gone][word];
+    sizes_[kept] = count(sets_[kept]);
+    cluster_of_[gone] = kept;
+    std::erase(alive_, gone);
+    for (std::size_t position = 0; position < alive_.size(); ++position) {
+      const std::size_t a = alive_[position];
+      const bool stale = a == kept || nearest_[a].index == kept || nearest_[a].index == gone;
+      if (stale) {
+        find_nearest(position);
+      } else if (a < kept) {
+        consider(a, kept);
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t root(std::size_t element) const {
+    while (cluster_of_[element] != element) element = cluster_of_[element];
+    return element;
+  }
+
+  std::vector<PreferenceSet> sets_;
+  std::vector<int> sizes_;
+  std::vector<std::size_t> cluster_of_;
+  std::vector<std::size_t> alive_;  // sorted
+  std::vector<Neighbour> nearest_;  // a neighbour that is the cluster itself: none
+};
+
+}  // namespace
+
+std::vector<int> j_linkage(std::vector<PreferenceSet> sets) { return Linkage(std::move(sets)).run(); }
+
+}  // namespace eg::features
