@@ -1,0 +1,102 @@
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+
+#include "common/geometry/depth_noise.hpp"
+#include "common/mapping/tsdf_options.hpp"
+
+/// What TsdfMap is made of. Private to common/mapping: OpenVDB's headers stay out of everyone else's compile.
+namespace eg::mapping {
+
+using IntTree = openvdb::Int32Tree;
+using ColourTree = openvdb::Vec3ITree;
+using IntLeaf = IntTree::LeafNodeType;
+using ColourLeaf = ColourTree::LeafNodeType;
+
+inline constexpr int kLeafSide = static_cast<int>(IntLeaf::DIM);
+inline constexpr int kLeafVoxels = static_cast<int>(IntLeaf::SIZE);
+
+/// Units of the integer sums.
+///
+/// One reading adds at most kMaxWeight to a weight, kMaxWeight · kBandSteps to a distance and kMaxWeight · 255 to a
+/// colour, all below 2^16. A voxel whose weight has come to kFullWeight takes no more, so no sum exceeds 2^31.
+class TsdfUnits {
+ public:
+  static constexpr std::int32_t kMaxWeight = 127;
+  static constexpr std::int32_t kBandSteps = 511;
+  static constexpr std::int32_t kFullWeight = 1 << 22;
+
+  explicit TsdfUnits(const TsdfOptions& options)
+      : metres_per_step_(static_cast<float>(band_half_width(options, options.max_depth) / kBandSteps)),
+        best_variance_(square(geometry::depth_sigma(options.min_depth))) {}
+
+  [[nodiscard]] float metres_per_step() const { return metres_per_step_; }
+
+  /// Weight of a reading: the inverse of its variance, the best reading's being kMaxWeight.
+  [[nodiscard]] float weight(float depth) const {
+    return std::min(1.0F, static_cast<float>(best_variance_ / square(geometry::depth_sigma(depth)))) * kMaxWeight;
+  }
+
+ private:
+  static double square(double x) { return x * x; }
+
+  float metres_per_step_;
+  double best_variance_;
+};
+
+/// The sums at the voxels of one leaf, in OpenVDB's order (z fastest).
+struct LeafSums {
+  std::int32_t* weight = nullptr;
+  std::int32_t* distance = nullptr;  ///< weight times signed distance, in TsdfUnits::metres_per_step()
+  openvdb::Vec3i* colour = nullptr;  ///< weight times red, green, blue
+};
+
+/// A leaf that is in no tree.
+struct LooseLeaf {
+  std::unique_ptr<IntLeaf> weight;
+  std::unique_ptr<IntLeaf> distance;
+  std::unique_ptr<ColourLeaf> colour;
+
+  explicit LooseLeaf(const openvdb::Coord& origin)
+      : weight(std::make_unique<IntLeaf>(origin, 0)),
+        distance(std::make_unique<IntLeaf>(origin, 0)),
+        colour(std::make_unique<ColourLeaf>(origin, openvdb::Vec3i(0))) {}
+
+  [[nodiscard]] LeafSums sums() {
+    return {weight->buffer().data(), distance->buffer().data(), colour->buffer().data()};
+  }
+};
+
+/// Three trees with the same leaves. The active states of the voxels are not kept: a voxel is observed if it has
+/// weight.
+struct TsdfGrids {
+  IntTree weight{0};
+  IntTree distance{0};
+  ColourTree colour{openvdb::Vec3i(0)};
+
+  /// Null pointers if there is no such leaf.
+  [[nodiscard]] LeafSums probe(const openvdb::Coord& origin) {
+    IntLeaf* const leaf = weight.probeLeaf(origin);
+    if (leaf == nullptr) return {};
+    return {leaf->buffer().data(), distance.probeLeaf(origin)->buffer().data(),
+            colour.probeLeaf(origin)->buffer().data()};
+  }
+
+  void insert(LooseLeaf leaf) {
+    weight.addLeaf(leaf.weight.release());
+    distance.addLeaf(leaf.distance.release());
+    colour.addLeaf(leaf.colour.release());
+  }
+
+  void erase(const openvdb::Coord& origin) {
+    const std::unique_ptr<IntLeaf> no_weight(weight.stealNode<IntLeaf>(origin, 0, false));
+    const std::unique_ptr<IntLeaf> no_distance(distance.stealNode<IntLeaf>(origin, 0, false));
+    const std::unique_ptr<ColourLeaf> no_colour(colour.stealNode<ColourLeaf>(origin, openvdb::Vec3i(0), false));
+  }
+};
+
+}  // namespace eg::mapping

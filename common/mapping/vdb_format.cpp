@@ -1,0 +1,144 @@
+#include "common/mapping/vdb_format.hpp"
+
+#include <openvdb/io/Stream.h>
+
+#include <cmath>
+#include <istream>
+#include <limits>
+#include <mutex>
+#include <ostream>
+
+namespace eg::mapping {
+namespace {
+
+constexpr char kDistanceName[] = "tsdf";
+constexpr char kWeightName[] = "weight";
+constexpr char kColourName[] = "colour";
+constexpr float kMaxColour = 255.0F;
+
+void initialise_openvdb() {
+  static std::once_flag once;
+  std::call_once(once, [] { openvdb::initialize(); });
+}
+
+template <typename Grid>
+typename Grid::Ptr make_grid(const char* name, typename Grid::ValueType background, const TsdfOptions& options) {
+  auto grid = Grid::create(background);
+  grid->setName(name);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(options.voxel_size));
+  return grid;
+}
+
+template <typename Grid>
+const Grid* find_grid(const openvdb::GridPtrVec& grids, const char* name) {
+  for (const auto& grid : grids) {
+    if (grid->getName() == name) return dynamic_cast<const Grid*>(grid.get());
+  }
+  return nullptr;
+}
+
+bool has_voxel_size(const openvdb::GridBase& grid, double voxel_size) {
+  if (!grid.transform().isLinear()) return false;
+  const openvdb::Vec3d origin = grid.transform().indexToWorld(openvdb::Vec3d(0.0));
+  const openvdb::Vec3d diagonal = grid.transform().indexToWorld(openvdb::Vec3d(1.0));
+  return origin.length() < 1e-9 && (diagonal - openvdb::Vec3d(voxel_size)).length() < 1e-9;
+}
+
+/// The sums of one voxel from its means. False if they are nothing that write_grids() writes.
+bool restore_voxel(const TsdfUnits& units, float weight, float distance, const openvdb::Vec3f& colour,
+                   const LeafSums& sums, openvdb::Index voxel) {
+  const float steps = distance / units.metres_per_step();
+  if (!(weight >= 1.0F && weight <= static_cast<float>(TsdfUnits::kFullWeight + TsdfUnits::kMaxWeight))) return false;
+  if (!(std::abs(steps) <= static_cast<float>(TsdfUnits::kBandSteps))) return false;
+  for (int i = 0; i < 3; ++i) {
+    if (!(colour[i] >= 0.0F && colour[i] <= 1.0F)) return false;
+    sums.colour[voxel][i] = static_cast<std::int32_t>(std::lrint(weight * kMaxColour * colour[i]));
+  }
+  sums.weight[voxel] = static_cast<std::int32_t>(std::lrint(weight));
+  sums.distance[voxel] = static_cast<std::int32_t>(std::lrint(weight * steps));
+  return true;
+}
+
+base::Result<openvdb::GridPtrVecPtr> read_stream(std::istream& in) {
+  try {
+    return openvdb::io::Stream(in, /*delayLoad=*/false).getGrids();
+  } catch (const std::exception& exception) {
+    return base::fail(std::string("not a readable OpenVDB file: ") + exception.what());
+  }
+}
+
+}  // namespace
+
+base::Status write_grids(const TsdfGrids& grids, const TsdfOptions& options, std::ostream& out) {
+  initialise_openvdb();
+  const TsdfUnits units(options);
+  const float outside = units.metres_per_step() * TsdfUnits::kBandSteps;
+  auto distances = make_grid<openvdb::FloatGrid>(kDistanceName, outside, options);
+  auto weights = make_grid<openvdb::FloatGrid>(kWeightName, 0.0F, options);
+  auto colours = make_grid<openvdb::Vec3SGrid>(kColourName, openvdb::Vec3f(0.0F), options);
+  distances->setGridClass(openvdb::GRID_LEVEL_SET);
+  weights->setGridClass(openvdb::GRID_FOG_VOLUME);
+
+  for (auto leaf = grids.weight.cbeginLeaf(); leaf; ++leaf) {
+    const openvdb::Coord& origin = leaf->origin();
+    const std::int32_t* const weight = leaf->buffer().data();
+    const std::int32_t* const distance = grids.distance.probeConstLeaf(origin)->buffer().data();
+    const openvdb::Vec3i* const colour = grids.colour.probeConstLeaf(origin)->buffer().data();
+    auto* const distance_leaf = distances->tree().touchLeaf(origin);
+    auto* const weight_leaf = weights->tree().touchLeaf(origin);
+    auto* const colour_leaf = colours->tree().touchLeaf(origin);
+    for (openvdb::Index voxel = 0; voxel < IntLeaf::SIZE; ++voxel) {
+      if (weight[voxel] == 0) continue;
+      const float scale = 1.0F / static_cast<float>(weight[voxel]);
+      weight_leaf->setValueOn(voxel, static_cast<float>(weight[voxel]));
+      distance_leaf->setValueOn(voxel, units.metres_per_step() * scale * static_cast<float>(distance[voxel]));
+      colour_leaf->setValueOn(voxel, scale / kMaxColour * openvdb::Vec3f(colour[voxel]));
+    }
+  }
+  try {
+    openvdb::io::Stream(out).write(openvdb::GridCPtrVec{distances, weights, colours});
+  } catch (const std::exception& exception) {
+    return base::fail(std::string("cannot write OpenVDB grids: ") + exception.what());
+  }
+  return out.good() ? base::Status{} : base::fail("cannot write OpenVDB grids: the stream failed");
+}
+
+base::Result<std::unique_ptr<TsdfGrids>> read_grids(std::istream& in, const TsdfOptions& options) {
+  initialise_openvdb();
+  const auto file = read_stream(in);
+  if (!file) return tl::make_unexpected(file.error());
+  const auto* const distances = find_grid<openvdb::FloatGrid>(**file, kDistanceName);
+  const auto* const weights = find_grid<openvdb::FloatGrid>(**file, kWeightName);
+  const auto* const colours = find_grid<openvdb::Vec3SGrid>(**file, kColourName);
+  if (distances == nullptr || weights == nullptr || colours == nullptr) {
+    return base::fail("the OpenVDB file lacks one of the grids tsdf, weight (float) and colour (vec3s)");
+  }
+  for (const openvdb::GridBase* grid :
+       {static_cast<const openvdb::GridBase*>(distances), static_cast<const openvdb::GridBase*>(weights),
+        static_cast<const openvdb::GridBase*>(colours)}) {
+    if (!has_voxel_size(*grid, options.voxel_size)) {
+      return base::fail("grid " + grid->getName() + " does not have voxels of " + std::to_string(options.voxel_size) +
+                        " m");
+    }
+  }
+
+  const TsdfUnits units(options);
+  auto grids = std::make_unique<TsdfGrids>();
+  for (auto leaf = weights->tree().cbeginLeaf(); leaf; ++leaf) {
+    const auto* const distance = distances->tree().probeConstLeaf(leaf->origin());
+    const auto* const colour = colours->tree().probeConstLeaf(leaf->origin());
+    if (distance == nullptr || colour == nullptr) return base::fail("the OpenVDB grids do not cover the same space");
+    LooseLeaf loose(leaf->origin());
+    const LeafSums sums = loose.sums();
+    for (auto value = leaf->cbeginValueOn(); value; ++value) {
+      const openvdb::Index voxel = value.pos();
+      if (!restore_voxel(units, *value, distance->getValue(voxel), colour->getValue(voxel), sums, voxel)) {
+        return base::fail("a voxel of the OpenVDB grids is out of range");
+      }
+    }
+    grids->insert(std::move(loose));
+  }
+  return grids;
+}
+
+}  // namespace eg::mapping
