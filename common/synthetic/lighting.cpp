@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 #include <numbers>
 
 namespace eg::synthetic {
@@ -18,38 +18,49 @@ constexpr double kReach = 1.2;      // metres within which a surface takes ambie
 constexpr double kSmallest = 0.02;  // m²: surfaces below cast no shadow worth its time
 constexpr int kRings = 4;           // ambient directions: rings x sectors
 constexpr int kSectors = 8;
-constexpr int kLampSamples = 3;  // per axis
+constexpr int kLampSamples = 2;  // per axis
 
-/// The surfaces that cast shadows, laid out for a quick search.
-class Occluders {
- public:
-  explicit Occluders(const Scene& scene) {
-    for (const Surface& surface : scene.surfaces) {
-      if (surface.area() < kSmallest || surface.material.glow > 0) continue;
-      occluders_.push_back({surface.plane(), &surface});
-    }
-  }
-
-  /// Distance along the unit `direction` to the first surface, at most `reach`.
-  [[nodiscard]] double free_distance(const Vector3d& from, const Vector3d& direction, double reach) const {
-    for (const auto& [plane, surface] : occluders_) {
-      const double approach = -plane.normal.dot(direction);
-      if (approach <= 0.0) continue;
-      const double height = plane.signed_distance(from);
-      if (height <= 0.0 || height >= reach * approach) continue;
-      const double distance = height / approach;
-      if (surface->contains(surface->uv(from + distance * direction))) reach = distance;
-    }
-    return reach;
-  }
-
- private:
-  struct Occluder {
-    geometry::Plane plane;
-    const Surface* surface;
-  };
-  std::vector<Occluder> occluders_;
+/// A surface that casts shadows.
+struct Occluder {
+  const Surface* surface;
+  geometry::Plane plane;
+  Vector3d centre;  ///< of its bounds
+  double radius;
 };
+using Occluders = std::vector<Occluder>;
+
+Occluders all_occluders(const Scene& scene) {
+  Occluders occluders;
+  for (const Surface& surface : scene.surfaces) {
+    if (surface.area() < kSmallest || surface.material.glow > 0) continue;
+    const Eigen::AlignedBox2d box = surface.bounds();
+    occluders.push_back({&surface, surface.plane(), surface.point(box.center()), 0.5 * box.diagonal().norm()});
+  }
+  return occluders;
+}
+
+/// Those that something within `reach` of the point and in front of `plane` can touch.
+Occluders occluders_near(const Occluders& all, const geometry::Plane& plane, const Vector3d& point, double reach) {
+  Occluders near;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(near), [&](const Occluder& o) {
+    return (o.centre - point).norm() < o.radius + reach && plane.signed_distance(o.centre) > -o.radius &&
+           std::abs(o.plane.signed_distance(point)) < reach;
+  });
+  return near;
+}
+
+/// Distance along the unit `direction` to the first of the occluders, at most `reach`.
+double free_distance(const Occluders& occluders, const Vector3d& from, const Vector3d& direction, double reach) {
+  for (const Occluder& occluder : occluders) {
+    const double approach = -occluder.plane.normal.dot(direction);
+    if (approach <= 0.0) continue;
+    const double height = occluder.plane.signed_distance(from);
+    if (height <= 0.0 || height >= reach * approach) continue;
+    const double distance = height / approach;
+    if (occluder.surface->contains(occluder.surface->uv(from + distance * direction))) reach = distance;
+  }
+  return reach;
+}
 
 /// Directions over the hemisphere about +z, as dense as the cosine, so that their plain mean is the irradiance.
 std::vector<Vector3d> cosine_directions() {
@@ -68,9 +79,10 @@ double ambient_light(const Occluders& occluders, const Surface& surface, const V
   static const std::vector<Vector3d> directions = cosine_directions();
   Eigen::Matrix3d world_from_surface;
   world_from_surface << surface.axis_u, surface.axis_v, surface.normal();
+  const Occluders near = occluders_near(occluders, surface.plane(), point, kReach);
   double sum = 0.0;
   for (const Vector3d& direction : directions) {
-    sum += occluders.free_distance(point, world_from_surface * direction, kReach) / kReach;
+    sum += free_distance(near, point, world_from_surface * direction, kReach) / kReach;
   }
   return sum / static_cast<double>(directions.size());
 }
@@ -86,7 +98,7 @@ double lamp_light(const Occluders& occluders, const Lamp& lamp, const Surface& s
     const double received = surface.normal().dot(direction);
     const double sent = direction.z();
     if (received <= 0.0 || sent <= 0.0) continue;
-    if (occluders.free_distance(point, direction, distance) < distance) continue;
+    if (free_distance(occluders, point, direction, distance) < distance) continue;
     // A softened inverse square, so that nothing near a lamp burns out.
     sum += received * (0.3 + 0.7 * sent) / (0.6 + 0.35 * distance * distance);
   }
@@ -120,11 +132,13 @@ float LightMap::sample(const Eigen::Vector2f& uv) const {
   const float* node = values_.data() + row * columns_ + column;
   const float sx = x - static_cast<float>(column);
   const float sy = y - static_cast<float>(row);
-  return std::lerp(std::lerp(node[0], node[1], sx), std::lerp(node[columns_], node[columns_ + 1], sx), sy);
+  const float low = node[0] + sx * (node[1] - node[0]);
+  const float high = node[columns_] + sx * (node[columns_ + 1] - node[columns_]);
+  return low + sy * (high - low);
 }
 
 std::vector<LightMap> bake_lighting(const Scene& scene) {
-  const Occluders occluders(scene);
+  const Occluders occluders = all_occluders(scene);
   std::vector<LightMap> maps;
   maps.reserve(scene.surfaces.size());
   for (const Surface& surface : scene.surfaces) maps.emplace_back(surface.bounds().max(), kSpacing);

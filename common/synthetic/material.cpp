@@ -14,9 +14,11 @@ float coverage(float d, float footprint) { return std::clamp(d / footprint + 0.5
 Colour mix(const Colour& a, const Colour& b, float share_of_b) { return a + share_of_b * (b - a); }
 
 /// Distance from `x` to the nearest multiple of `period`.
-float distance_to_multiple(float x, float period) { return std::abs(x - period * std::round(x / period)); }
+float distance_to_multiple(float x, float period) {
+  return std::abs(x - period * static_cast<float>(floor_to_int(x / period + 0.5F)));
+}
 
-int cell_index(float x, float size) { return static_cast<int>(std::floor(x / size)); }
+int cell_index(float x, float size) { return floor_to_int(x / size); }
 
 /// Share of joint of width `width` at distance `d` from its middle. A joint finer than the pixel dims, it does not
 /// widen.
@@ -56,7 +58,7 @@ Colour planks(const Material& m, const Eigen::Vector2f& uv, float footprint) {
   const int column = cell_index(shifted, length);
   const float tint = unit_hash(column, row, m.seed + 2);
   const Eigen::Vector2f stretched(0.12F * shifted + 3.7F * static_cast<float>(column), uv.y());
-  const float fibre = fractal_noise(stretched, 0.025F, 3, 0.5F * footprint, m.seed + static_cast<std::uint32_t>(row));
+  const float fibre = fractal_noise(stretched, 0.02F, 2, 0.5F * footprint, m.seed + static_cast<std::uint32_t>(row));
   const Colour wood = mix(m.colour, m.accent, std::clamp(0.75F * tint + 0.5F * fibre, 0.0F, 1.0F));
   const float d = std::min(distance_to_multiple(uv.y(), m.scale), distance_to_multiple(shifted, length));
   return mix(wood, Colour(0.35F * m.accent), joint(d, 0.004F, footprint));
@@ -83,10 +85,9 @@ Colour books(const Material& m, const Eigen::Vector2f& uv, float footprint) {
 float shape_coverage(const Shape& shape, const Eigen::Vector2f& uv, float footprint) {
   const Eigen::Vector2f d = uv - shape.centre;
   if (shape.disc) return coverage(shape.half_size.x() - d.norm(), footprint);
-  const float c = std::cos(shape.angle);
-  const float s = std::sin(shape.angle);
-  return coverage(shape.half_size.x() - std::abs(c * d.x() + s * d.y()), footprint) *
-         coverage(shape.half_size.y() - std::abs(c * d.y() - s * d.x()), footprint);
+  const Eigen::Vector2f& axis = shape.axis;
+  return coverage(shape.half_size.x() - std::abs(axis.dot(d)), footprint) *
+         coverage(shape.half_size.y() - std::abs(axis.x() * d.y() - axis.y() * d.x()), footprint);
 }
 
 Colour painted(const Material& m, const Eigen::Vector2f& uv, float footprint) {
@@ -101,7 +102,7 @@ Colour pattern(const Material& m, const Eigen::Vector2f& uv, float footprint) {
     case Texture::plain:
       return m.colour;
     case Texture::noise:
-      return mix(m.colour, m.accent, 0.5F + 0.7F * fractal_noise(uv, m.scale, 4, footprint, m.seed));
+      return mix(m.colour, m.accent, 0.5F + 0.7F * fractal_noise(uv, m.scale, 3, footprint, m.seed));
     case Texture::tiles:
       return tiles(m, uv, footprint);
     case Texture::bricks:
@@ -130,7 +131,7 @@ Colour reflectance(const Material& material, const Eigen::Vector2f& uv, float fo
   const float pixel = std::max(footprint, 1e-4F);
   const Colour colour = pattern(material, uv, pixel);
   if (material.grain <= 0.0F) return colour;
-  return colour * (1.0F + material.grain * fractal_noise(uv, 0.08F, 4, pixel, material.seed + 101));
+  return colour * (1.0F + material.grain * fractal_noise(uv, 0.06F, 3, pixel, material.seed + 101));
 }
 
 }  // namespace eg::synthetic

@@ -26,7 +26,7 @@ enum class Texture : std::uint8_t {
 struct Shape {
   Eigen::Vector2f centre = Eigen::Vector2f::Zero();     ///< metres on the surface
   Eigen::Vector2f half_size = Eigen::Vector2f::Ones();  ///< metres; a disc takes x as its radius
-  float angle = 0.0F;                                   ///< radians
+  Eigen::Vector2f axis = Eigen::Vector2f::UnitX();      ///< unit vector along the first half size
   bool disc = false;
   Colour colour = Colour::Zero();
 };

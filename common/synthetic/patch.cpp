@@ -66,17 +66,4 @@ void patches_in_box(const std::vector<Patch>& patches, const RayBox& box, std::v
                 [&](const Patch* patch) { return range_over(patch->inverse_depth, box).high < nearest_filling; });
 }
 
-const Patch* nearest_patch(const std::vector<const Patch*>& patches, const Eigen::Vector2d& ray) {
-  const Patch* nearest = nullptr;
-  double largest = 0.0;
-  for (const Patch* patch : patches) {
-    const double inverse_depth = evaluate(patch->inverse_depth, ray);
-    if (inverse_depth > largest && patch->covers(ray)) {
-      largest = inverse_depth;
-      nearest = patch;
-    }
-  }
-  return nearest;
-}
-
 }  // namespace eg::synthetic

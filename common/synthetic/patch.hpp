@@ -51,6 +51,17 @@ std::vector<Patch> visible_patches(const Scene& scene, const geometry::Pose& wor
 void patches_in_box(const std::vector<Patch>& patches, const RayBox& box, std::vector<const Patch*>& found);
 
 /// The patch nearest to the camera along the ray, or null.
-const Patch* nearest_patch(const std::vector<const Patch*>& patches, const Eigen::Vector2d& ray);
+inline const Patch* nearest_patch(const std::vector<const Patch*>& patches, const Eigen::Vector2d& ray) {
+  const Patch* nearest = nullptr;
+  double largest = 0.0;
+  for (const Patch* patch : patches) {
+    const double inverse_depth = evaluate(patch->inverse_depth, ray);
+    if (inverse_depth > largest && patch->covers(ray)) {
+      largest = inverse_depth;
+      nearest = patch;
+    }
+  }
+  return nearest;
+}
 
 }  // namespace eg::synthetic

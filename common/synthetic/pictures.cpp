@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <numbers>
 
 #include "common/base/random.hpp"
@@ -23,6 +24,10 @@ Eigen::Vector2f random_point(base::Random& random, const Eigen::Vector2f& extent
   return {u * extent.x(), v * extent.y()};
 }
 
+Eigen::Vector2f unit_vector(double angle) {
+  return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
+}
+
 Shape random_shape(base::Random& random, const Palette& palette, const Eigen::Vector2f& extent, float shrink) {
   const float unit = shrink * extent.minCoeff();
   Shape shape;
@@ -30,7 +35,7 @@ Shape random_shape(base::Random& random, const Palette& palette, const Eigen::Ve
   shape.half_size.x() = unit * static_cast<float>(random.uniform(0.12, 0.3));
   shape.half_size.y() = unit * static_cast<float>(random.uniform(0.08, 0.3));
   // Mostly upright figures, some turned: edges in the main directions and corners at all angles.
-  shape.angle = random.uniform() < 0.6 ? 0.0F : static_cast<float>(random.uniform(0.0, std::numbers::pi));
+  if (random.uniform() > 0.6) shape.axis = unit_vector(random.uniform(0.0, std::numbers::pi));
   shape.disc = random.uniform() < 0.3;
   shape.colour = srgb(palette[static_cast<std::size_t>(1 + random.index(5))]);
   return shape;
@@ -76,9 +81,9 @@ Material rug(const Eigen::Vector2f& extent, std::uint32_t seed) {
     for (int column = 0; column < columns; ++column) {
       const Eigen::Vector2f centre = first + kPitch * Eigen::Vector2f(column, row);
       const auto colour = static_cast<std::size_t>(random.index(4));
-      constexpr auto kQuarter = static_cast<float>(std::numbers::pi / 4.0);
-      material.shapes.push_back({centre, Eigen::Vector2f::Constant(0.11F), kQuarter, false, colours[colour]});
-      material.shapes.push_back({centre, Eigen::Vector2f::Constant(0.05F), 0.0F, false, colours[(colour + 1) % 4]});
+      const Eigen::Vector2f diagonal = unit_vector(0.25 * std::numbers::pi);
+      material.shapes.push_back({centre, Eigen::Vector2f::Constant(0.11F), diagonal, false, colours[colour]});
+      material.shapes.push_back({centre, Eigen::Vector2f::Constant(0.05F), diagonal, false, colours[(colour + 1) % 4]});
     }
   }
   return material;

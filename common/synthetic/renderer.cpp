@@ -2,11 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "common/base/check.hpp"
-#include "common/synthetic/patch.hpp"
 
 namespace eg::synthetic {
 namespace {
@@ -23,7 +23,7 @@ class ToneCurve {
   ToneCurve() {
     for (int i = 0; i < kSize; ++i) {
       const double light = kBrightest * i / (kSize - 1);
-      const double shown = 1.0 - std::exp(-1.35 * light);
+      const double shown = 1.0 - std::exp(-1.7 * light);
       const double encoded = shown <= 0.0031308 ? 12.92 * shown : 1.055 * std::pow(shown, 1.0 / 2.4) - 0.055;
       bytes_[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(255.0 * encoded));
     }
@@ -71,15 +71,16 @@ struct Frame {
 /// One tile of the image: first which patch every pixel sees (and one pixel more all around), then their colours.
 class Tile {
  public:
-  Tile(const Frame& frame, int left, int top)
+  Tile(const Frame& frame, int left, int top, const RayBox& box)
       : frame_(frame),
+        box_(box),
         left_(left),
         top_(top),
         width_(std::min(kTile, frame.camera.width - left)),
         height_(std::min(kTile, frame.camera.height - top)) {}
 
   void draw() {
-    patches_in_box(frame_.patches, ray_box(), candidates_);
+    patches_in_box(frame_.patches, box_, candidates_);
     for (int y = -1; y <= height_; ++y) {
       for (int x = -1; x <= width_; ++x) seen(x, y) = nearest_patch(candidates_, frame_.rays.at(left_ + x, top_ + y));
     }
@@ -90,20 +91,6 @@ class Tile {
 
  private:
   const Patch*& seen(int x, int y) { return seen_[static_cast<std::size_t>((y + 1) * (kTile + 2) + x + 1)]; }
-
-  /// The rays of the tile and of one more pixel on each side.
-  [[nodiscard]] RayBox ray_box() const {
-    Vector2d low = frame_.rays.at(left_, top_);
-    Vector2d high = low;
-    for (int y = -1; y <= height_; ++y) {
-      for (int x = -1; x <= width_; ++x) {
-        const Vector2d& ray = frame_.rays.at(left_ + x, top_ + y);
-        low = low.cwiseMin(ray);
-        high = high.cwiseMax(ray);
-      }
-    }
-    return {0.5 * (low + high), 0.5 * (high - low)};
-  }
 
   bool at_edge(int x, int y) {
     const Patch* middle = seen(x, y);
@@ -143,15 +130,35 @@ class Tile {
   }
 
   const Frame& frame_;
+  const RayBox& box_;
   int left_, top_, width_, height_;
   std::vector<const Patch*> candidates_;
   std::array<const Patch*, static_cast<std::size_t>((kTile + 2) * (kTile + 2))> seen_{};
 };
 
+/// The rays of every tile and of one more pixel around it, tiles by row.
+std::vector<RayBox> tile_boxes(const PixelRays& rays, int width, int height) {
+  std::vector<RayBox> boxes;
+  for (int top = 0; top < height; top += kTile) {
+    for (int left = 0; left < width; left += kTile) {
+      Eigen::AlignedBox2d box;
+      for (int y = top - 1; y <= std::min(top + kTile, height); ++y) {
+        for (int x = left - 1; x <= std::min(left + kTile, width); ++x) box.extend(rays.at(x, y));
+      }
+      boxes.push_back({box.center(), 0.5 * box.sizes()});
+    }
+  }
+  return boxes;
+}
+
 }  // namespace
 
 Renderer::Renderer(Scene scene, const geometry::CameraModel& camera)
-    : scene_(std::move(scene)), camera_(camera), rays_(camera), light_(bake_lighting(scene_)) {
+    : scene_(std::move(scene)),
+      camera_(camera),
+      rays_(camera),
+      tiles_(tile_boxes(rays_, camera.width, camera.height)),
+      light_(bake_lighting(scene_)) {
   EG_CHECK(geometry::validate(camera).has_value(), "a renderer needs a valid camera");
 }
 
@@ -160,9 +167,9 @@ Rendering Renderer::render(const geometry::Pose& world_from_camera) const {
                 cv::Mat(camera_.height, camera_.width, CV_16SC1)};
   const Frame frame{scene_, camera_, rays_, light_, visible_patches(scene_, world_from_camera), out};
   const int columns = (camera_.width + kTile - 1) / kTile;
-  const int rows = (camera_.height + kTile - 1) / kTile;
-  tbb::parallel_for(0, columns * rows,
-                    [&](int index) { Tile(frame, index % columns * kTile, index / columns * kTile).draw(); });
+  tbb::parallel_for(0, static_cast<int>(tiles_.size()), [&](int index) {
+    Tile(frame, index % columns * kTile, index / columns * kTile, tiles_[static_cast<std::size_t>(index)]).draw();
+  });
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include "common/geometry/camera_model.hpp"
 #include "common/geometry/pose.hpp"
 #include "common/synthetic/lighting.hpp"
+#include "common/synthetic/patch.hpp"
 #include "common/synthetic/pixel_rays.hpp"
 #include "common/synthetic/scene.hpp"
 
@@ -34,6 +35,7 @@ class Renderer {
   Scene scene_;
   geometry::CameraModel camera_;
   PixelRays rays_;
+  std::vector<RayBox> tiles_;
   std::vector<LightMap> light_;
 };
 

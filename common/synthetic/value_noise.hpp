@@ -2,37 +2,53 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 namespace eg::synthetic {
 
-/// A well-mixed 32-bit hash of a lattice cell (the finaliser of MurmurHash3 over a linear combination).
-inline std::uint32_t hash_cell(int x, int y, std::uint32_t seed) {
-  std::uint32_t h =
-      static_cast<std::uint32_t>(x) * 0x9e3779b1U + static_cast<std::uint32_t>(y) * 0x85ebca77U + seed * 0xc2b2ae3dU;
+/// A well-mixed 32-bit hash of a number (the finaliser of MurmurHash3).
+inline std::uint32_t mix_bits(std::uint32_t h) {
   h = (h ^ (h >> 16)) * 0x85ebca6bU;
   h = (h ^ (h >> 13)) * 0xc2b2ae35U;
   return h ^ (h >> 16);
 }
 
-/// The same as a number in [0, 1).
-inline float unit_hash(int x, int y, std::uint32_t seed) {
-  return static_cast<float>(hash_cell(x, y, seed) >> 8) * 0x1.0p-24F;
+inline constexpr std::uint32_t kHashX = 0x9e3779b1U;
+inline constexpr std::uint32_t kHashY = 0x85ebca77U;
+inline constexpr std::uint32_t kHashSeed = 0xc2b2ae3dU;
+
+/// A hash of a lattice cell.
+inline std::uint32_t hash_cell(int x, int y, std::uint32_t seed) {
+  return mix_bits(static_cast<std::uint32_t>(x) * kHashX + static_cast<std::uint32_t>(y) * kHashY + seed * kHashSeed);
+}
+
+/// A hash as a number in [0, 1).
+inline float to_unit(std::uint32_t hash) {
+  return static_cast<float>(static_cast<std::int32_t>(hash >> 8)) * 0x1.0p-24F;
+}
+
+inline float unit_hash(int x, int y, std::uint32_t seed) { return to_unit(hash_cell(x, y, seed)); }
+
+/// The largest integer not above `x`; without the library call that std::floor is on the oldest processors we build
+/// for.
+inline int floor_to_int(float x) {
+  const auto truncated = static_cast<int>(x);
+  return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
 }
 
 /// Value noise: random values on the integer lattice, joined by cubic blending; in [-1, 1], wavelength about 2.
 inline float value_noise(const Eigen::Vector2f& p, std::uint32_t seed) {
-  const float fx = std::floor(p.x());
-  const float fy = std::floor(p.y());
-  const auto ix = static_cast<int>(fx);
-  const auto iy = static_cast<int>(fy);
+  const int ix = floor_to_int(p.x());
+  const int iy = floor_to_int(p.y());
   const auto blend = [](float t) { return t * t * (3.0F - 2.0F * t); };
-  const float sx = blend(p.x() - fx);
-  const float sy = blend(p.y() - fy);
-  const float low = std::lerp(unit_hash(ix, iy, seed), unit_hash(ix + 1, iy, seed), sx);
-  const float high = std::lerp(unit_hash(ix, iy + 1, seed), unit_hash(ix + 1, iy + 1, seed), sx);
-  return 2.0F * std::lerp(low, high, sy) - 1.0F;
+  const auto between = [](float a, float b, float t) { return a + t * (b - a); };
+  const float sx = blend(p.x() - static_cast<float>(ix));
+  const float sy = blend(p.y() - static_cast<float>(iy));
+  const std::uint32_t corner =
+      static_cast<std::uint32_t>(ix) * kHashX + static_cast<std::uint32_t>(iy) * kHashY + seed * kHashSeed;
+  const float low = between(to_unit(mix_bits(corner)), to_unit(mix_bits(corner + kHashX)), sx);
+  const float high = between(to_unit(mix_bits(corner + kHashY)), to_unit(mix_bits(corner + kHashX + kHashY)), sx);
+  return 2.0F * between(low, high, sy) - 1.0F;
 }
 
 /// Octaves of value noise, each half as large and twice as fine, in about [-1, 1]. `cell` is the lattice size of the
