@@ -16,7 +16,8 @@ struct Acknowledge {
 /// The frame source has sent its last frame.
 struct EndOfStream {
   std::int64_t session = 0;
-  std::int64_t frame_count = 0;  ///< frames of the input, also those that could not be read
+  std::int64_t frame_count = 0;              ///< frames that were sent
+  std::vector<std::int64_t> skipped_utimes;  ///< acquisition times (microseconds) of frames that could not be read
 };
 
 enum class Command : std::uint8_t {

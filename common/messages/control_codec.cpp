@@ -30,11 +30,16 @@ base::Result<Acknowledge> decode_acknowledge(ByteView bytes) {
 }
 
 base::Result<EndOfStream> decode_end(ByteView bytes) {
-  const auto wire = decode_wire<egraph_msgs::end_of_stream_t>(bytes, {}, {});
+  const auto wire =
+      decode_wire<egraph_msgs::end_of_stream_t>(bytes, {{"num_skipped", kMaxSkippedFrames, sizeof(std::int64_t)}}, {});
   if (!wire) return tl::make_unexpected(wire.error());
   const Path path;
   Checker check;
-  return checked(EndOfStream{wire->session, read_counter(wire->frame_count, path("frame_count"), check)}, check);
+  EndOfStream end{wire->session, read_counter(wire->frame_count, path("frame_count"), check), wire->skipped_utimes};
+  for (std::size_t i = 0; i < end.skipped_utimes.size(); ++i) {
+    read_counter(end.skipped_utimes[i], path("skipped_utimes", i), check);
+  }
+  return checked(std::move(end), check);
 }
 
 base::Result<Control> decode_control(ByteView bytes) {
@@ -77,6 +82,8 @@ Bytes encode(const EndOfStream& end) {
   egraph_msgs::end_of_stream_t wire{};
   wire.session = end.session;
   wire.frame_count = end.frame_count;
+  wire.num_skipped = static_cast<std::int32_t>(end.skipped_utimes.size());
+  wire.skipped_utimes = end.skipped_utimes;
   return encode_wire(wire);
 }
 
