@@ -25,11 +25,12 @@ struct Covisibility {
 /// A keyframe as the tracker announces it: a node of N_c with what it observed.
 struct Keyframe {
   image::FrameHeader header;
-  KeyframeId id;                     ///< counted from 0 within a session
-  geometry::Pose world_from_camera;  ///< world: the first keyframe's camera
+  KeyframeId id;                           ///< counted from 0 within a session
+  geometry::Pose world_from_camera;        ///< world: the first keyframe's camera
   Matrix6d covariance = Matrix6d::Zero();  ///< of (rotation, translation), world frame, left perturbation; rad, m
   std::vector<features::DirectionFeature> directions;
-  std::vector<double> plane_distances;  ///< one per direction: the plane's distance in the camera frame, NaN if no plane
+  std::vector<double>
+      plane_distances;  ///< one per direction: the plane's distance in the camera frame, NaN if no plane
   std::vector<Covisibility> covisible;
 };
 

@@ -10,7 +10,7 @@ namespace eg::image {
 /// Who and when: carried along by everything that is derived from a frame.
 struct FrameHeader {
   std::int64_t session = 0;   ///< which recording or robot; chosen by the frame source
-  std::int64_t sequence = 0;  ///< number of the input frame, counted from 0 without gaps by the frame source
+  std::int64_t sequence = 0;  ///< counted from 0 without gaps by the frame source: a gap is a lost message
   std::int64_t utime = 0;     ///< acquisition time, microseconds
 };
 

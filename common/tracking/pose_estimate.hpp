@@ -25,7 +25,7 @@ struct PoseEstimate {
   bool has_pose = false;             ///< whether `world_from_camera` means anything
   geometry::Pose world_from_camera;  ///< world: the first keyframe's camera
   egraph::Matrix6d covariance = egraph::Matrix6d::Zero();  ///< of (rotation, translation), left perturbation; rad, m
-  egraph::KeyframeId keyframe;            ///< the keyframe that this frame became; invalid: none
+  egraph::KeyframeId keyframe;                             ///< the keyframe that this frame became; invalid: none
   egraph::KeyframeId rotation_reference;  ///< oldest keyframe that shares two or more directions; invalid: none
   std::int32_t matched_points = 0;
   std::int32_t matched_lines = 0;

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "common/egraph/types.hpp"
+
+namespace eg::egraph {
+
+/// th_vd of the paper (section 4.2) as an angle, and the gate on the covariance-weighted difference.
+struct AssociationOptions {
+  double max_angle = 0.087;  ///< radians (5°)
+  double max_chi2 = 13.82;   ///< 99.9 % quantile of chi²(2)
+};
+
+/// A direction of a frame and the landmark it is a view of.
+struct Association {
+  std::size_t feature = 0;  ///< index into the frame's directions
+  LandmarkId landmark;
+  double sign = 1.0;  ///< multiplies the feature's direction (paper, equation 7)
+};
+
+/// Rotates each direction into the world and gives it to the landmark that it fits best, within the gates. Plane
+/// normals go with planes, vanishing and potential directions with each other. Several features may view one landmark:
+/// parallel walls have one normal. `rotation_covariance`: rad², of world_from_camera, left perturbation.
+std::vector<Association> associate(std::span<const features::DirectionFeature> directions,
+                                   std::span<const DirectionLandmark> landmarks,
+                                   const Eigen::Matrix3d& world_from_camera, const Eigen::Matrix3d& rotation_covariance,
+                                   const AssociationOptions& options = {});
+
+/// The covariance (rad², tangential, world frame) of a direction seen by a camera of uncertain rotation.
+Eigen::Matrix3d direction_covariance_in_world(const features::DirectionFeature& feature,
+                                              const Eigen::Matrix3d& world_from_camera,
+                                              const Eigen::Matrix3d& rotation_covariance);
+
+}  // namespace eg::egraph

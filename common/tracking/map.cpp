@@ -1,0 +1,268 @@
+#include "common/tracking/map.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/depth_noise.hpp"
+
+namespace eg::tracking {
+namespace {
+
+using features::FrameFeatures;
+using features::LineFeature;
+using features::PointFeature;
+using geometry::Pose;
+
+/// Edge of the cells of the spatial index, metres: about a third of the range of a structured-light camera.
+constexpr double kCellSize = 2.0;
+/// Beyond this range (metres) depth is too uncertain to expect a feature to be found again.
+constexpr double kMaxRange = 8.0;
+/// A feature expected at least this often and found in less than this share of the frames is culled.
+constexpr int kMinExpected = 20;
+constexpr double kMinFoundRatio = 0.25;
+/// Scale between two levels of the point extractor's pyramid.
+constexpr double kPyramidScale = 1.2;
+/// Floor on a map point's variance (0.5 mm): what calibration leaves even after many views.
+constexpr double kMinVariance = 2.5e-7;
+
+std::array<std::int32_t, 3> cell_of(const Eigen::Vector3d& position) {
+  const Eigen::Vector3d scaled = position / kCellSize;
+  return {static_cast<std::int32_t>(std::floor(scaled.x())), static_cast<std::int32_t>(std::floor(scaled.y())),
+          static_cast<std::int32_t>(std::floor(scaled.z()))};
+}
+
+Eigen::Vector3d centre_of(const std::array<std::int32_t, 3>& cell) {
+  return kCellSize * (Eigen::Vector3d(cell[0], cell[1], cell[2]) + Eigen::Vector3d::Constant(0.5));
+}
+
+/// Whether a sphere around the cell's centre reaches into the viewing cone of the camera.
+bool cell_in_view(const std::array<std::int32_t, 3>& cell, const geometry::CameraModel& camera,
+                  const Pose& camera_from_world) {
+  const double radius = kCellSize * std::sqrt(3.0);  // half a diagonal, and as much again for lines across cells
+  const Eigen::Vector3d centre = camera_from_world * centre_of(cell);
+  if (centre.norm() > kMaxRange + radius) return false;
+  const double half_diagonal =
+      std::hypot(camera.width / (2.0 * camera.fx), camera.height / (2.0 * std::abs(camera.fy)));
+  const double half_angle = std::atan(half_diagonal);
+  const double off_axis = std::atan2(centre.head<2>().norm(), centre.z());
+  const double apparent = centre.norm() > radius ? std::asin(radius / centre.norm()) : M_PI;
+  return off_axis - apparent < half_angle;
+}
+
+Eigen::Matrix3d point_covariance(const PointFeature& point, const geometry::CameraModel& camera) {
+  const Eigen::Vector3d ray = camera.ray(point.pixel);
+  const Eigen::Vector3d lateral(point.pixel_sigma * point.depth / camera.fx,
+                                point.pixel_sigma * point.depth / std::abs(camera.fy), 0.0);
+  return lateral.cwiseAbs2().asDiagonal().toDenseMatrix() +
+         point.depth_sigma * point.depth_sigma * ray * ray.transpose();
+}
+
+/// Kalman update of a position by a measured one.
+void fuse_position(Eigen::Vector3d& position, Eigen::Matrix3d& covariance, const Eigen::Vector3d& measured,
+                   const Eigen::Matrix3d& measured_covariance) {
+  const Eigen::Matrix3d gain = covariance * (covariance + measured_covariance).inverse();
+  position += gain * (measured - position);
+  const Eigen::Matrix3d posterior = (Eigen::Matrix3d::Identity() - gain) * covariance;
+  covariance = 0.5 * (posterior + posterior.transpose()) + kMinVariance * Eigen::Matrix3d::Identity();
+}
+
+Eigen::Vector3d closest_on_line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d direction = (b - a).normalized();
+  return a + direction.dot(point - a) * direction;
+}
+
+template <typename T>
+void cull(T& feature) {
+  if (feature.visibility.expected >= kMinExpected &&
+      feature.visibility.found < kMinFoundRatio * feature.visibility.expected) {
+    feature.alive = false;
+  }
+}
+
+}  // namespace
+
+KeyframeId Map::add_keyframe(const FrameFeatures& features, const Pose& world_from_camera, const Matches& matches) {
+  const KeyframeId id{static_cast<std::int32_t>(keyframes_.size())};
+  keyframes_.push_back({id, features, world_from_camera, matches});
+  add_points(keyframes_.back());
+  add_lines(keyframes_.back());
+  add_planes(keyframes_.back());
+  for (const PointMatch& match : keyframes_.back().matches.points) point_observers_[match.id].push_back(id);
+  for (const LineMatch& match : keyframes_.back().matches.lines) line_observers_[match.id].push_back(id);
+  for (const PlaneMatch& match : keyframes_.back().matches.planes) plane_observers_[match.id].push_back(id);
+  return id;
+}
+
+void Map::add_points(MapKeyframe& keyframe) {
+  const Pose& pose = keyframe.world_from_camera;
+  const geometry::CameraModel& camera = keyframe.features.camera;
+  std::vector<bool> matched(keyframe.features.points.size(), false);
+  for (const PointMatch& match : keyframe.matches.points) {
+    matched[static_cast<std::size_t>(match.feature)] = true;
+    const PointFeature& feature = keyframe.features.points[static_cast<std::size_t>(match.feature)];
+    MapPoint& point = points_[static_cast<std::size_t>(match.id.value)];
+    ++point.observations;
+    point.descriptor = feature.descriptor;
+    if (!feature.has_depth()) continue;
+    const Eigen::Matrix3d covariance = pose.rotation * point_covariance(feature, camera) * pose.rotation.transpose();
+    fuse_position(point.position, point.covariance, pose * camera.unproject(feature.pixel, feature.depth), covariance);
+  }
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    const PointFeature& feature = keyframe.features.points[i];
+    if (matched[i] || !feature.has_depth()) continue;
+    MapPoint point;
+    point.id = PointId{static_cast<std::int32_t>(points_.size())};
+    point.position = pose * camera.unproject(feature.pixel, feature.depth);
+    point.covariance = pose.rotation * point_covariance(feature, camera) * pose.rotation.transpose();
+    const Eigen::Vector3d to_camera = pose.translation - point.position;
+    point.viewed_from = to_camera.normalized();
+    point.reference_distance = to_camera.norm() * std::pow(kPyramidScale, feature.octave);
+    point.descriptor = feature.descriptor;
+    point.track_id = feature.track_id;
+    point.first_seen = keyframe.id;
+    point.observations = 1;
+    points_.push_back(point);
+    point_cells_[cell_of(point.position)].push_back(point.id);
+    keyframe.matches.points.push_back({static_cast<std::int32_t>(i), point.id});
+  }
+}
+
+void Map::add_lines(MapKeyframe& keyframe) {
+  const Pose& pose = keyframe.world_from_camera;
+  const auto in_world = [&](const Eigen::Matrix3d& c) { return pose.rotation * c * pose.rotation.transpose(); };
+  std::vector<bool> matched(keyframe.features.lines.size(), false);
+  for (const LineMatch& match : keyframe.matches.lines) {
+    matched[static_cast<std::size_t>(match.feature)] = true;
+    const LineFeature& feature = keyframe.features.lines[static_cast<std::size_t>(match.feature)];
+    MapLine& line = lines_[static_cast<std::size_t>(match.id.value)];
+    ++line.observations;
+    line.descriptor = feature.descriptor;
+    if (!feature.has_depth) continue;
+    // End points slide along a line from view to view: only the part across the line is a measurement of them.
+    const Eigen::Vector3d a = pose * feature.start;
+    const Eigen::Vector3d b = pose * feature.end;
+    fuse_position(line.start, line.start_covariance, closest_on_line(a, b, line.start),
+                  in_world(feature.start_covariance));
+    fuse_position(line.end, line.end_covariance, closest_on_line(a, b, line.end), in_world(feature.end_covariance));
+  }
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    const LineFeature& feature = keyframe.features.lines[i];
+    if (matched[i] || !feature.has_depth) continue;
+    MapLine line;
+    line.id = LineId{static_cast<std::int32_t>(lines_.size())};
+    line.start = pose * feature.start;
+    line.end = pose * feature.end;
+    line.start_covariance = in_world(feature.start_covariance);
+    line.end_covariance = in_world(feature.end_covariance);
+    line.descriptor = feature.descriptor;
+    line.track_id = feature.track_id;
+    line.first_seen = keyframe.id;
+    line.observations = 1;
+    lines_.push_back(line);
+    line_cells_[cell_of(0.5 * (line.start + line.end))].push_back(line.id);
+    keyframe.matches.lines.push_back({static_cast<std::int32_t>(i), line.id});
+  }
+}
+
+void Map::add_planes(MapKeyframe& keyframe) {
+  std::vector<bool> matched(keyframe.features.planes.size(), false);
+  const auto measured_in_world = [&](std::size_t i) {
+    const features::PlaneFeature& feature = keyframe.features.planes[i];
+    return transform(keyframe.world_from_camera, PlaneEstimate{feature.plane, feature.covariance});
+  };
+  for (const PlaneMatch& match : keyframe.matches.planes) {
+    matched[static_cast<std::size_t>(match.feature)] = true;
+    MapPlane& plane = planes_[static_cast<std::size_t>(match.id.value)];
+    fuse(plane.estimate, measured_in_world(static_cast<std::size_t>(match.feature)));
+    ++plane.observations;
+  }
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    if (matched[i]) continue;
+    const PlaneId id{static_cast<std::int32_t>(planes_.size())};
+    planes_.push_back({id, measured_in_world(i), keyframe.id, 1});
+    keyframe.matches.planes.push_back({static_cast<std::int32_t>(i), id});
+  }
+}
+
+template <typename Id, typename Index>
+std::vector<Id> Map::near(const Index& index, const geometry::CameraModel& camera,
+                          const Pose& camera_from_world) const {
+  const Cell centre = cell_of(camera_from_world.inverse().translation);
+  const int reach = static_cast<int>(std::ceil(kMaxRange / kCellSize)) + 1;
+  std::vector<Id> ids;
+  for (std::int32_t x = centre[0] - reach; x <= centre[0] + reach; ++x) {
+    for (std::int32_t y = centre[1] - reach; y <= centre[1] + reach; ++y) {
+      for (std::int32_t z = centre[2] - reach; z <= centre[2] + reach; ++z) {
+        if (!cell_in_view({x, y, z}, camera, camera_from_world)) continue;
+        const auto cell = index.find({x, y, z});
+        if (cell != index.end()) ids.insert(ids.end(), cell->second.begin(), cell->second.end());
+      }
+    }
+  }
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+std::vector<PointId> Map::points_near(const geometry::CameraModel& camera, const Pose& camera_from_world) const {
+  std::vector<PointId> ids = near<PointId>(point_cells_, camera, camera_from_world);
+  std::erase_if(ids, [&](PointId id) { return !point(id).alive; });
+  return ids;
+}
+
+std::vector<LineId> Map::lines_near(const geometry::CameraModel& camera, const Pose& camera_from_world) const {
+  std::vector<LineId> ids = near<LineId>(line_cells_, camera, camera_from_world);
+  std::erase_if(ids, [&](LineId id) { return !line(id).alive; });
+  return ids;
+}
+
+void Map::count_visibility(std::span<const PointId> expected_points, std::span<const LineId> expected_lines,
+                           const Matches& found) {
+  for (const PointMatch& match : found.points) ++points_[static_cast<std::size_t>(match.id.value)].visibility.found;
+  for (const LineMatch& match : found.lines) ++lines_[static_cast<std::size_t>(match.id.value)].visibility.found;
+  for (const PointId id : expected_points) {
+    MapPoint& point = points_[static_cast<std::size_t>(id.value)];
+    ++point.visibility.expected;
+    cull(point);
+  }
+  for (const LineId id : expected_lines) {
+    MapLine& line = lines_[static_cast<std::size_t>(id.value)];
+    ++line.visibility.expected;
+    cull(line);
+  }
+}
+
+std::vector<egraph::Covisibility> Map::covisible(KeyframeId id) const {
+  std::map<KeyframeId, std::int32_t> shared;
+  const Matches& matches = keyframe(id).matches;
+  const auto count = [&](const auto& observers, const auto& list) {
+    for (const auto& match : list) {
+      for (const KeyframeId other : observers.at(match.id)) ++shared[other];
+    }
+  };
+  count(point_observers_, matches.points);
+  count(line_observers_, matches.lines);
+  count(plane_observers_, matches.planes);
+  shared.erase(id);
+  std::vector<egraph::Covisibility> covisible;
+  for (const auto& [other, number] : shared) covisible.push_back({other, number});
+  std::stable_sort(covisible.begin(), covisible.end(),
+                   [](const auto& a, const auto& b) { return a.shared_features > b.shared_features; });
+  return covisible;
+}
+
+void Map::move_keyframe(KeyframeId id, const Pose& world_from_camera) {
+  keyframes_[static_cast<std::size_t>(id.value)].world_from_camera = world_from_camera;
+}
+void Map::move_point(PointId id, const Eigen::Vector3d& position) {
+  points_[static_cast<std::size_t>(id.value)].position = position;
+}
+void Map::move_line(LineId id, const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
+  lines_[static_cast<std::size_t>(id.value)].start = start;
+  lines_[static_cast<std::size_t>(id.value)].end = end;
+}
+void Map::move_plane(PlaneId id, const geometry::Plane& plane) {
+  planes_[static_cast<std::size_t>(id.value)].estimate.plane = plane;
+}
+
+}  // namespace eg::tracking

@@ -1,0 +1,48 @@
+#include "common/tracking/motion_model.hpp"
+
+#include <algorithm>
+
+#include "common/geometry/so3.hpp"
+
+namespace eg::tracking {
+namespace {
+
+/// The motion of `step` over another length of time.
+geometry::Pose scaled(const geometry::Pose& step, double factor) {
+  return {geometry::so3_exp(factor * geometry::so3_log(step.rotation)), factor * step.translation};
+}
+
+double seconds(std::int64_t utime) { return static_cast<double>(utime) * 1e-6; }
+
+}  // namespace
+
+MotionPrior MotionModel::predict(std::int64_t utime) const {
+  const double elapsed = std::max(1e-3, seconds(utime - utime_));
+  MotionPrior prior;
+  prior.rotation_sigma = options_.angular_velocity_change * elapsed;
+  prior.translation_sigma = options_.velocity_change * elapsed;
+  prior.camera_from_world = camera_from_world_;
+  if (step_ && elapsed <= options_.max_extrapolation_s) {
+    prior.camera_from_world = scaled(*step_, elapsed / step_seconds_) * camera_from_world_;
+  }
+  return prior;
+}
+
+void MotionModel::update(std::int64_t utime, const geometry::Pose& camera_from_world, bool velocity_known) {
+  step_.reset();
+  if (utime > utime_) {
+    step_ = camera_from_world * camera_from_world_.inverse();
+    step_seconds_ = seconds(utime - utime_);
+    if (!velocity_known) step_->translation.setZero();
+  }
+  utime_ = utime;
+  camera_from_world_ = camera_from_world;
+}
+
+void MotionModel::reset(std::int64_t utime, const geometry::Pose& camera_from_world) {
+  step_.reset();
+  utime_ = utime;
+  camera_from_world_ = camera_from_world;
+}
+
+}  // namespace eg::tracking

@@ -1,0 +1,48 @@
+#include "common/tracking/observability.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+#include "common/geometry/so3.hpp"
+
+namespace eg::tracking {
+namespace {
+
+/// Added to the block that is marginalised out, so that what is unobserved there counts as unknown, not as singular.
+constexpr double kWeak = 1e-6;
+
+double worst_sigma(const Eigen::Matrix3d& kept, const Eigen::Matrix3d& cross, const Eigen::Matrix3d& other) {
+  const Eigen::Matrix3d open = other + kWeak * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d marginal = kept - cross * open.ldlt().solve(cross.transpose());
+  const double smallest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(marginal, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return smallest > kWeak ? 1.0 / std::sqrt(smallest) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+Observability observability(const Matrix6d& information) {
+  const Eigen::Matrix3d rotation = information.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d translation = information.bottomRightCorner<3, 3>();
+  const Eigen::Matrix3d cross = information.topRightCorner<3, 3>();
+  return {worst_sigma(rotation, cross, translation), worst_sigma(translation, cross.transpose(), rotation)};
+}
+
+Matrix6d world_covariance(const Matrix6d& information, const MotionPrior& prior,
+                          const geometry::Pose& world_from_camera) {
+  Vector6d weights;
+  weights << Eigen::Vector3d::Constant(1.0 / (prior.rotation_sigma * prior.rotation_sigma)),
+      Eigen::Vector3d::Constant(1.0 / (prior.translation_sigma * prior.translation_sigma));
+  const Matrix6d covariance = (information + weights.asDiagonal().toDenseMatrix()).inverse();
+  Matrix6d adjoint = Matrix6d::Zero();
+  adjoint.topLeftCorner<3, 3>() = world_from_camera.rotation;
+  adjoint.bottomRightCorner<3, 3>() = world_from_camera.rotation;
+  adjoint.bottomLeftCorner<3, 3>() = geometry::hat(world_from_camera.translation) * world_from_camera.rotation;
+  const Matrix6d in_world = adjoint * covariance * adjoint.transpose();
+  return 0.5 * (in_world + in_world.transpose());
+}
+
+}  // namespace eg::tracking

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/egraph/types.hpp"
+#include "common/geometry/camera_model.hpp"
+#include "common/geometry/pose.hpp"
+
+namespace eg::tracking {
+
+using egraph::Matrix6d;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// A map point seen in the frame: e^P of the paper, and the difference of depths where there is depth.
+struct PointFactor {
+  Eigen::Vector3d point_in_world;
+  Eigen::Vector2d pixel;
+  double pixel_sigma = 1.0;  ///< pixels; the map's uncertainty included
+  double depth = 0.0;        ///< metres; 0: none
+  double depth_sigma = 1.0;  ///< metres; the map's uncertainty included
+};
+
+/// A map segment seen in the frame: e^L, the distances of its projected end points from the observed image line.
+struct LineFactor {
+  Eigen::Vector3d start_in_world;
+  Eigen::Vector3d end_in_world;
+  Eigen::Vector3d image_line;  ///< a u + b v + c = 0 in pixels, a² + b² = 1
+  double pixel_sigma = 1.0;
+};
+
+/// A map plane seen in the frame: e^pi, the height of the observed region's centroid above the map's plane. The
+/// region's orientation is a DirectionFactor of its own; at the centroid the two errors are uncorrelated.
+struct PlaneFactor {
+  geometry::Plane plane_in_world;
+  Eigen::Vector3d centroid_in_camera;
+  double sigma = 1.0;  ///< metres
+};
+
+/// A scene direction of the E-Graph seen in the frame: together they are the rotation prior of the E-Graph.
+struct DirectionFactor {
+  Eigen::Vector3d direction_in_world;
+  Eigen::Vector3d direction_in_camera;                   ///< sign unified
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< rad², tangential, camera frame; the landmark's included
+};
+
+/// Where the motion model expects the camera.
+struct MotionPrior {
+  geometry::Pose camera_from_world;
+  double rotation_sigma = 1.0;     ///< radians
+  double translation_sigma = 1.0;  ///< metres
+};
+
+struct PoseProblem {
+  geometry::CameraModel camera;
+  std::vector<PointFactor> points;
+  std::vector<LineFactor> lines;
+  std::vector<PlaneFactor> planes;
+  std::vector<DirectionFactor> directions;
+  MotionPrior prior;
+};
+
+enum class FreeParameters { translation, pose };
+
+struct PoseOptimizerOptions {
+  int iterations = 10;  ///< per round
+  int rounds = 3;       ///< after each, what fits beyond the gates is left out of the next
+};
+
+struct PoseSolution {
+  geometry::Pose camera_from_world;
+  /// Information of the measurements without the prior, of (rotation, translation), left perturbation of
+  /// camera_from_world: T = exp(δ) T. Rotation is zero when only the translation was free.
+  Matrix6d information = Matrix6d::Zero();
+  std::vector<bool> point_inliers;
+  std::vector<bool> line_inliers;
+  std::vector<bool> plane_inliers;
+  std::vector<bool> direction_inliers;
+
+  [[nodiscard]] int inlier_points() const;
+  [[nodiscard]] int inlier_lines() const;
+  [[nodiscard]] int inlier_planes() const;
+};
+
+/// Levenberg-Marquardt over the pose of one frame (paper, section 5, "Translation estimation", and the frame-to-map
+/// refinement), with Huber weights and the covariance of every measurement.
+PoseSolution optimize_pose(const PoseProblem& problem, const geometry::Pose& initial_camera_from_world,
+                           FreeParameters free, const PoseOptimizerOptions& options = {});
+
+/// T ← exp(δ) T for δ = (rotation, translation): the perturbation that all Jacobians here refer to.
+geometry::Pose perturb(const geometry::Pose& camera_from_world, const Vector6d& delta);
+
+// Residuals in units of their standard deviations and Jacobians with respect to δ. Public for the numeric checks.
+struct PointResidual {
+  Eigen::Vector2d pixel;
+  double depth = 0.0;
+  Eigen::Matrix<double, 2, 6> pixel_jacobian;
+  Eigen::Matrix<double, 1, 6> depth_jacobian;
+  bool in_front = false;
+};
+PointResidual point_residual(const PointFactor& factor, const geometry::CameraModel& camera,
+                             const geometry::Pose& pose);
+
+struct LineResidual {
+  Eigen::Vector2d distances;
+  Eigen::Matrix<double, 2, 6> jacobian;
+  bool in_front = false;
+};
+LineResidual line_residual(const LineFactor& factor, const geometry::CameraModel& camera, const geometry::Pose& pose);
+
+struct PlaneResidual {
+  double height = 0.0;
+  Eigen::Matrix<double, 1, 6> jacobian;
+};
+PlaneResidual plane_residual(const PlaneFactor& factor, const geometry::Pose& pose);
+
+struct DirectionResidual {
+  Eigen::Vector2d angle;
+  Eigen::Matrix<double, 2, 6> jacobian;
+};
+DirectionResidual direction_residual(const DirectionFactor& factor, const geometry::Pose& pose);
+
+}  // namespace eg::tracking

@@ -1,0 +1,280 @@
+#include "common/tracking/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/so3.hpp"
+#include "common/tracking/frame_problem.hpp"
+#include "common/tracking/observability.hpp"
+
+namespace eg::tracking {
+namespace {
+
+using features::FrameFeatures;
+using geometry::Pose;
+
+/// Floor on the rotation uncertainty of a keyframe (0.05°): correlated errors do not average out over features.
+constexpr double kMinRotationVariance = 7.6e-7;
+
+Eigen::Matrix3d isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d::Identity(); }
+
+template <typename Match>
+std::vector<Match> only(const std::vector<Match>& matches, const std::vector<bool>& keep) {
+  std::vector<Match> kept;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (keep[i]) kept.push_back(matches[i]);
+  }
+  return kept;
+}
+
+/// The landmarks that may define a rotation: a potential direction was seen once and may be any edge.
+std::vector<egraph::DirectionLandmark> confirmed(std::span<const egraph::DirectionLandmark> landmarks) {
+  std::vector<egraph::DirectionLandmark> chosen;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(chosen),
+               [](const auto& landmark) { return landmark.kind != egraph::DirectionKind::potential_direction; });
+  return chosen;
+}
+
+}  // namespace
+
+struct Tracker::Frame {
+  const FrameFeatures& features;
+  MotionPrior prediction{};
+  Pose camera_from_world{};
+  std::vector<egraph::Association> associations{};
+  bool rotation_from_graph = false;
+  KeyframeId rotation_reference{};
+  std::vector<PointId> near_points{};
+  std::vector<LineId> near_lines{};
+  Matches matches{};
+  PoseProblem problem{};
+  PoseSolution solution{};
+};
+
+Tracker::Tracker(TrackerOptions options) : options_(options), motion_(options.motion), policy_(options.keyframes) {}
+
+TrackResult Tracker::track(const FrameFeatures& features) {
+  if (features.header.utime <= last_utime_) return refuse(features, "time stamp is not later than the last frame's");
+  last_utime_ = features.header.utime;
+  if (map_.empty()) return initialise(features);
+  if (lost_) return recover(features, "searching for a known place");
+
+  Frame frame{.features = features, .prediction = motion_.predict(features.header.utime)};
+  frame.camera_from_world = frame.prediction.camera_from_world;
+  estimate_rotation_from_graph(frame);              // section 3.1 and 4.2
+  estimate_translation_with_rotation_fixed(frame);  // section 3.1, equation 1 with R known; section 5
+  refine_against_map(frame);                        // section 5, frame-to-map refinement
+
+  const Observability observed = observability(frame.solution.information);
+  const bool proven = frame.solution.inlier_points() >= options_.min_points_without_planes ||
+                      frame.solution.inlier_planes() > 0 || frame.solution.inlier_lines() >= 4;
+  if (proven && observed.translation_sigma < options_.max_translation_sigma) {
+    return finish(frame, TrackingState::tracking, "");
+  }
+  if (observed.rotation_sigma < options_.max_rotation_sigma) {
+    return finish(frame, TrackingState::rotation_only, "matches do not determine the translation");
+  }
+  return recover(features, "matches determine neither rotation nor translation");
+}
+
+TrackResult Tracker::initialise(const FrameFeatures& features) {
+  const auto has_depth = [](const auto& feature) { return feature.has_depth(); };
+  const auto points = std::count_if(features.points.begin(), features.points.end(), has_depth);
+  if (features.planes.empty() && points < options_.min_points_without_planes) {
+    return refuse(features, "waiting for a frame with a plane or enough points with depth");
+  }
+  Frame frame{.features = features, .prediction = {}};
+  motion_.reset(features.header.utime, Pose{});
+  return finish(frame, TrackingState::tracking, "first keyframe");
+}
+
+void Tracker::estimate_rotation_from_graph(Frame& frame) const {
+  const auto landmarks = confirmed(graph_.landmarks());
+  Eigen::Matrix3d rotation = frame.prediction.camera_from_world.rotation;
+  Eigen::Matrix3d covariance = isotropic(frame.prediction.rotation_sigma);
+  // The second round associates with the rotation of the first: what lies close together is told apart.
+  for (int round = 0; round < 2; ++round) {
+    frame.associations =
+        egraph::associate(frame.features.directions, landmarks, rotation.transpose(), covariance, options_.association);
+    std::vector<egraph::DirectionPair> pairs;
+    for (const egraph::Association& association : frame.associations) {
+      const features::DirectionFeature& seen = frame.features.directions[association.feature];
+      const egraph::DirectionLandmark& landmark = *graph_.find_landmark(association.landmark);
+      pairs.push_back({association.sign * seen.direction, landmark.direction, seen.covariance, landmark.covariance});
+    }
+    const egraph::RotationEstimate estimate = egraph::estimate_rotation(pairs, options_.rotation);
+    frame.rotation_from_graph = estimate.status == egraph::RotationStatus::ok;
+    if (!frame.rotation_from_graph) break;
+    rotation = estimate.j_from_k;
+    covariance = rotation.transpose() * estimate.covariance * rotation;
+    frame.associations = only(frame.associations, estimate.inliers);
+  }
+  if (!frame.rotation_from_graph) return;
+
+  // The camera turns about its own centre: the predicted position stays.
+  const Eigen::Vector3d position = frame.prediction.camera_from_world.inverse().translation;
+  frame.camera_from_world = {rotation, -(rotation * position)};
+  std::vector<egraph::LandmarkId> seen;
+  for (const egraph::Association& association : frame.associations) seen.push_back(association.landmark);
+  frame.rotation_reference = graph_.oldest_sharing_keyframe(seen).value_or(KeyframeId{});
+}
+
+void Tracker::match_and_build_problem(Frame& frame, double radius) const {
+  const geometry::CameraModel& camera = frame.features.camera;
+  const Pose& pose = frame.camera_from_world;
+  MatchOptions search = options_.search;
+  search.radius = radius;
+  frame.near_points = map_.points_near(camera, pose);
+  frame.near_lines = map_.lines_near(camera, pose);
+  frame.matches.points = match_points(frame.features, map_, frame.near_points, pose, search);
+  frame.matches.lines = match_lines(frame.features, map_, frame.near_lines, pose, search);
+  frame.matches.planes = match_planes(frame.features, map_, pose, frame.prediction.translation_sigma, search);
+  frame.problem.camera = camera;
+  frame.problem.prior = frame.prediction;
+  frame.problem.points = point_factors(frame.features, map_, frame.matches.points, pose);
+  frame.problem.lines = line_factors(frame.features, map_, frame.matches.lines, pose);
+  frame.problem.planes = plane_factors(frame.features, map_, frame.matches.planes, pose);
+  frame.problem.directions = direction_factors(frame.features, graph_, frame.associations, pose.rotation);
+}
+
+void Tracker::estimate_translation_with_rotation_fixed(Frame& frame) const {
+  match_and_build_problem(frame, options_.search.radius);
+  const auto consensus = estimate_translation(frame.problem.points, frame.features.camera,
+                                              frame.camera_from_world.rotation, options_.translation);
+  if (consensus) {
+    frame.camera_from_world.translation = consensus->translation;
+    frame.matches.points = only(frame.matches.points, consensus->inliers);
+    frame.problem.points = point_factors(frame.features, map_, frame.matches.points, frame.camera_from_world);
+  }
+  const FreeParameters free = frame.rotation_from_graph ? FreeParameters::translation : FreeParameters::pose;
+  frame.camera_from_world =
+      optimize_pose(frame.problem, frame.camera_from_world, free, options_.optimizer).camera_from_world;
+}
+
+void Tracker::refine_against_map(Frame& frame) const {
+  match_and_build_problem(frame, options_.refined_search_radius);
+  frame.solution = optimize_pose(frame.problem, frame.camera_from_world, FreeParameters::pose, options_.optimizer);
+  frame.camera_from_world = frame.solution.camera_from_world;
+  keep_inliers(frame);
+}
+
+void Tracker::keep_inliers(Frame& frame) const {
+  frame.matches.points = only(frame.matches.points, frame.solution.point_inliers);
+  frame.matches.lines = only(frame.matches.lines, frame.solution.line_inliers);
+  frame.matches.planes = only(frame.matches.planes, frame.solution.plane_inliers);
+}
+
+TrackResult Tracker::recover(const FrameFeatures& features, const std::string& why) {
+  // The newest keyframe first: most losses are a quick turn. Then the others in turn, a few per frame.
+  const auto keyframes = map_.keyframes();
+  for (int candidate = 0; candidate < options_.relocalisation_candidates; ++candidate) {
+    const std::size_t index = candidate == 0
+                                  ? keyframes.size() - 1
+                                  : (next_candidate_ + static_cast<std::size_t>(candidate)) % keyframes.size();
+    const auto pose = relocalise(features, map_, keyframes[index], options_.relocaliser);
+    if (!pose) continue;
+    Frame frame{.features = features, .prediction = {*pose, 0.1, 0.1}};
+    frame.camera_from_world = *pose;
+    estimate_rotation_from_graph(frame);
+    frame.camera_from_world = *pose;
+    refine_against_map(frame);
+    const Observability observed = observability(frame.solution.information);
+    if (frame.solution.inlier_points() < options_.relocaliser.min_inliers ||
+        observed.translation_sigma > options_.max_translation_sigma) {
+      continue;
+    }
+    lost_ = false;
+    motion_.reset(features.header.utime, frame.camera_from_world);
+    return finish(frame, TrackingState::relocalised, "found keyframe " + std::to_string(keyframes[index].id.value));
+  }
+  next_candidate_ += static_cast<std::size_t>(options_.relocalisation_candidates - 1);
+  lost_ = true;
+  TrackResult result = refuse(features, why);
+  result.estimate.state = TrackingState::lost;
+  return result;
+}
+
+TrackResult Tracker::refuse(const FrameFeatures& features, std::string reason) const {
+  TrackResult result;
+  result.estimate.header = features.header;
+  result.estimate.state = map_.empty() ? TrackingState::initialising : TrackingState::lost;
+  result.estimate.reason = std::move(reason);
+  return result;
+}
+
+TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reason) {
+  TrackResult result;
+  PoseEstimate& estimate = result.estimate;
+  estimate.header = frame.features.header;
+  estimate.state = state;
+  estimate.reason = std::move(reason);
+  estimate.has_pose = true;
+  estimate.world_from_camera = frame.camera_from_world.inverse();
+  estimate.rotation_reference = frame.rotation_reference;
+  estimate.matched_points = static_cast<std::int32_t>(frame.matches.points.size());
+  estimate.matched_lines = static_cast<std::int32_t>(frame.matches.lines.size());
+  estimate.matched_planes = static_cast<std::int32_t>(frame.matches.planes.size());
+  estimate.matched_directions = static_cast<std::int32_t>(frame.associations.size());
+  if (!map_.empty()) {
+    estimate.covariance = world_covariance(frame.solution.information, frame.prediction, estimate.world_from_camera);
+    estimate.covariance.topLeftCorner<3, 3>() += kMinRotationVariance * Eigen::Matrix3d::Identity();
+  }
+  motion_.update(frame.features.header.utime, frame.camera_from_world, state != TrackingState::rotation_only);
+  if (state == TrackingState::rotation_only) return result;
+
+  map_.count_visibility(visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world), {},
+                        frame.matches);
+  if (map_.empty() || policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame))) {
+    result.keyframe = add_keyframe(frame, estimate);
+    estimate.keyframe = result.keyframe->id;
+  }
+  return result;
+}
+
+bool Tracker::sees_new_structure(const Frame& frame) const {
+  if (frame.matches.planes.size() < frame.features.planes.size()) return true;
+  const auto known = [&](std::size_t feature) {
+    return std::any_of(frame.associations.begin(), frame.associations.end(),
+                       [&](const egraph::Association& association) { return association.feature == feature; });
+  };
+  for (std::size_t i = 0; i < frame.features.directions.size(); ++i) {
+    if (frame.features.directions[i].kind == egraph::DirectionKind::vanishing_direction && !known(i)) return true;
+  }
+  return false;
+}
+
+int Tracker::features_of_last_keyframe(const Frame& frame) const {
+  const MapKeyframe& last = map_.keyframes().back();
+  std::vector<PointId> points;
+  for (const PointMatch& match : last.matches.points) points.push_back(match.id);
+  std::vector<LineId> lines;
+  for (const LineMatch& match : last.matches.lines) lines.push_back(match.id);
+  std::sort(points.begin(), points.end());
+  std::sort(lines.begin(), lines.end());
+  const auto found_points =
+      std::count_if(frame.matches.points.begin(), frame.matches.points.end(),
+                    [&](const auto& match) { return std::binary_search(points.begin(), points.end(), match.id); });
+  const auto found_lines =
+      std::count_if(frame.matches.lines.begin(), frame.matches.lines.end(),
+                    [&](const auto& match) { return std::binary_search(lines.begin(), lines.end(), match.id); });
+  return static_cast<int>(found_points + found_lines);
+}
+
+egraph::Keyframe Tracker::add_keyframe(const Frame& frame, const PoseEstimate& estimate) {
+  egraph::Keyframe keyframe;
+  keyframe.header = frame.features.header;
+  keyframe.world_from_camera = estimate.world_from_camera;
+  keyframe.covariance = estimate.covariance;
+  keyframe.directions = frame.features.directions;
+  for (const features::DirectionFeature& direction : keyframe.directions) {
+    const bool is_plane = direction.kind == egraph::DirectionKind::plane_normal;
+    keyframe.plane_distances.push_back(
+        is_plane ? frame.features.planes[static_cast<std::size_t>(direction.source)].plane.distance : NAN);
+  }
+  keyframe.id = map_.add_keyframe(frame.features, estimate.world_from_camera, frame.matches);
+  keyframe.covisible = map_.covisible(keyframe.id);
+  policy_.keyframe_added();
+  return keyframe;
+}
+
+}  // namespace eg::tracking

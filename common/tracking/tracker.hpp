@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/egraph/association.hpp"
+#include "common/egraph/graph.hpp"
+#include "common/egraph/rotation_solver.hpp"
+#include "common/tracking/keyframe_policy.hpp"
+#include "common/tracking/map.hpp"
+#include "common/tracking/matcher.hpp"
+#include "common/tracking/motion_model.hpp"
+#include "common/tracking/pose_estimate.hpp"
+#include "common/tracking/pose_optimizer.hpp"
+#include "common/tracking/relocaliser.hpp"
+#include "common/tracking/translation_solver.hpp"
+
+namespace eg::tracking {
+
+struct TrackerOptions {
+  egraph::AssociationOptions association{.max_angle = 0.14, .max_chi2 = 13.82};  ///< 8°: prediction error included
+  egraph::RotationOptions rotation;
+  TranslationOptions translation;
+  MatchOptions search;                 ///< around the predicted pose
+  double refined_search_radius = 7.0;  ///< pixels, around the pose found in the first step
+  PoseOptimizerOptions optimizer;
+  MotionOptions motion;
+  KeyframeOptions keyframes;
+  RelocaliserOptions relocaliser;
+  int relocalisation_candidates = 4;    ///< keyframes tried per lost frame
+  double max_translation_sigma = 0.05;  ///< metres: worse is `rotation_only`
+  double max_rotation_sigma = 0.05;     ///< radians (3°): worse is `lost`
+  int min_points_without_planes = 7;    ///< fewer agreeing points are no proof of a pose
+};
+
+/// What became of a frame.
+struct TrackResult {
+  PoseEstimate estimate;
+  std::optional<egraph::Keyframe> keyframe;  ///< to announce, if the frame became one
+};
+
+/// The tracker: rotation from the E-Graph, translation, frame-to-map refinement, keyframes and local map (paper,
+/// section 5). Owns its map and a replica of the graph; knows no clock, no messages and no threads.
+class Tracker {
+ public:
+  explicit Tracker(TrackerOptions options = {});
+
+  TrackResult track(const features::FrameFeatures& frame);
+
+  /// The replica of the E-Graph. The caller keeps it up to date.
+  egraph::Graph& graph() { return graph_; }
+  [[nodiscard]] const egraph::Graph& graph() const { return graph_; }
+  [[nodiscard]] const Map& map() const { return map_; }
+
+ private:
+  /// Everything known about the frame being tracked.
+  struct Frame;
+
+  TrackResult initialise(const features::FrameFeatures& features);
+  TrackResult recover(const features::FrameFeatures& features, const std::string& why);
+  TrackResult finish(Frame& frame, TrackingState state, std::string reason);
+  TrackResult refuse(const features::FrameFeatures& features, std::string reason) const;
+
+  void estimate_rotation_from_graph(Frame& frame) const;
+  void estimate_translation_with_rotation_fixed(Frame& frame) const;
+  void refine_against_map(Frame& frame) const;
+  void match_and_build_problem(Frame& frame, double radius) const;
+  void keep_inliers(Frame& frame) const;
+  [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
+  [[nodiscard]] int features_of_last_keyframe(const Frame& frame) const;
+  egraph::Keyframe add_keyframe(const Frame& frame, const PoseEstimate& estimate);
+
+  TrackerOptions options_;
+  egraph::Graph graph_;
+  Map map_;
+  MotionModel motion_;
+  KeyframePolicy policy_;
+  std::int64_t last_utime_ = -1;
+  bool lost_ = false;
+  std::size_t next_candidate_ = 0;  ///< round robin over keyframes while lost
+};
+
+}  // namespace eg::tracking

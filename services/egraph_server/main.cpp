@@ -1,0 +1,22 @@
+#include <memory>
+
+#include "common/io/config.hpp"
+#include "services/egraph_server/egraph_server_service.hpp"
+
+int main(int argc, char** argv) {
+  eg::egraph::GraphBuilderOptions options;
+  eg::service::ServiceProgram program;
+  program.name = "egraph_server";
+  program.description = "Keeps the extensibility graph: associates and fuses the scene directions of every keyframe";
+  program.configure = [&options](eg::io::ConfigSchema& section) {
+    section.field("max_angle", options.association.max_angle, {0.001, 0.5}, "radians, th_vd of the paper")
+        .field("max_chi2", options.association.max_chi2, {0.1, 1000.0}, "gate on the covariance-weighted difference")
+        .field("potential_lifetime", options.potential_lifetime, {1, 10000}, "keyframes a single direction is kept")
+        .field("min_landmark_sigma", options.min_landmark_sigma, {0.0, 0.1}, "radians");
+  };
+  program.make =
+      [&options](eg::service::ServiceContext& context) -> eg::base::Result<std::unique_ptr<eg::service::Service>> {
+    return std::make_unique<eg::services::EGraphServerService>(context, options);
+  };
+  return eg::service::run_service(program, argc, argv);
+}

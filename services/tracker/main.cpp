@@ -1,0 +1,34 @@
+#include <memory>
+
+#include "common/io/config.hpp"
+#include "services/tracker/tracker_service.hpp"
+
+int main(int argc, char** argv) {
+  eg::tracking::TrackerOptions options;
+  eg::service::ServiceProgram program;
+  program.name = "tracker";
+  program.description = "Tracks the camera: rotation from the E-Graph, translation, frame-to-map refinement, keyframes";
+  program.configure = [&options](eg::io::ConfigSchema& section) {
+    section
+        .field("max_translation_sigma", options.max_translation_sigma, {1e-4, 10.0}, "metres; worse is rotation_only")
+        .field("max_rotation_sigma", options.max_rotation_sigma, {1e-4, 3.2}, "radians; worse is lost")
+        .field("relocalisation_candidates", options.relocalisation_candidates, {1, 1000}, "keyframes per lost frame");
+    section.section("keyframes", "when a frame becomes a keyframe")
+        .field("max_frames", options.keyframes.max_frames, {1, 10000}, "frames since the last one")
+        .field("min_frames", options.keyframes.min_frames, {1, 10000}, "frames between two at least")
+        .field("min_tracked_ratio", options.keyframes.min_tracked_ratio, {0.0, 1.0}, "of the last one's features");
+    section.section("search", "where map features are looked for")
+        .field("radius", options.search.radius, {1.0, 500.0}, "pixels around the predicted pose")
+        .field("refined_radius", options.refined_search_radius, {1.0, 500.0}, "pixels around the first solution")
+        .field("max_descriptor_distance", options.search.max_descriptor_distance, {1, 256}, "bits");
+    section.section("motion", "how fast the camera may change its speed")
+        .field("velocity_change", options.motion.velocity_change, {1e-3, 100.0}, "m/s within a frame")
+        .field("angular_velocity_change", options.motion.angular_velocity_change, {1e-3, 100.0},
+               "rad/s within a frame");
+  };
+  program.make =
+      [&options](eg::service::ServiceContext& context) -> eg::base::Result<std::unique_ptr<eg::service::Service>> {
+    return std::make_unique<eg::services::TrackerService>(context, options);
+  };
+  return eg::service::run_service(program, argc, argv);
+}

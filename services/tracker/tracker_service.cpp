@@ -1,0 +1,131 @@
+#include "services/tracker/tracker_service.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "common/messages/channels.hpp"
+
+namespace eg::services {
+namespace {
+
+/// Answers kept for frames that the source sends again; more than the source's lockstep window.
+constexpr std::size_t kAnswersKept = 32;
+/// Frames that may wait in lockstep. The source's window is smaller; more is somebody else's traffic.
+constexpr std::size_t kMaxWaiting = 64;
+/// An announced keyframe is announced again after this long (microseconds): a datagram was lost, or the server
+/// restarts.
+constexpr std::int64_t kAnnouncementPeriod = 300'000;
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+TrackerService::TrackerService(service::ServiceContext& context, tracking::TrackerOptions options)
+    : context_(context), tracker_(options) {
+  const int capacity = context_.options().lockstep ? 0 : 2;
+  context_.subscribe<features::FrameFeatures>(messages::channels::kFeatures, capacity,
+                                              [this](const features::FrameFeatures& frame) { on_features(frame); });
+  context_.subscribe<egraph::GraphUpdate>(messages::channels::kGraphUpdate, 0,
+                                          [this](const egraph::GraphUpdate& update) { on_graph_update(update); });
+  context_.subscribe<egraph::GraphSnapshot>(
+      messages::channels::kGraphSnapshot, 2,
+      [this](const egraph::GraphSnapshot& snapshot) { on_graph_snapshot(snapshot); });
+  context_.subscribe<messages::EndOfStream>(messages::channels::kEndOfStream, 2,
+                                            [this](const messages::EndOfStream& end) { on_end_of_stream(end); });
+}
+
+void TrackerService::on_features(const features::FrameFeatures& frame) {
+  if (record_.empty() && waiting_.empty()) session_ = frame.header.session;
+  if (frame.header.session != session_) {
+    context_.status().count_rejected("FEATURES: field 'session' differs from the session being tracked");
+    return;
+  }
+  if (const auto known = answered_.find(frame.header.sequence); known != answered_.end()) {
+    answer(known->second);
+    return;
+  }
+  if (frame.header.sequence < next_sequence_ || waiting_.size() >= kMaxWaiting) return;
+  waiting_.emplace(frame.header.sequence, frame);
+  track_waiting_frames();
+}
+
+void TrackerService::on_graph_update(const egraph::GraphUpdate& update) {
+  if (update.session != session_) return;
+  if (!tracker_.graph().apply(update)) {
+    context_.publish(messages::channels::kGraphRequest, messages::GraphRequest{session_, tracker_.graph().version()});
+    return;
+  }
+  forget_confirmed_keyframes();
+  track_waiting_frames();
+}
+
+void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& snapshot) {
+  if (snapshot.session != session_ || snapshot.version <= tracker_.graph().version()) return;
+  tracker_.graph().reset(snapshot);
+  forget_confirmed_keyframes();
+  track_waiting_frames();
+}
+
+void TrackerService::on_end_of_stream(const messages::EndOfStream& end) {
+  if (end.session == session_) record_.set_skipped(end.skipped_utimes);
+}
+
+void TrackerService::forget_confirmed_keyframes() {
+  while (!unconfirmed_.empty() && tracker_.graph().find_keyframe(unconfirmed_.front().id) != nullptr) {
+    unconfirmed_.pop_front();
+  }
+}
+
+bool TrackerService::waits_for_graph() const { return context_.options().lockstep && !unconfirmed_.empty(); }
+
+void TrackerService::track_waiting_frames() {
+  while (!waiting_.empty() && !waits_for_graph()) {
+    const auto first = waiting_.begin();
+    if (context_.options().lockstep && first->first != next_sequence_)
+      return;  // lost on the way; the source sends it again
+    const features::FrameFeatures frame = std::move(first->second);
+    waiting_.erase(first);
+    track(frame);
+  }
+}
+
+void TrackerService::track(const features::FrameFeatures& frame) {
+  const auto start = std::chrono::steady_clock::now();
+  context_.status().count_sequence(frame.header.session, frame.header.sequence);
+  const tracking::TrackResult result = tracker_.track(frame);
+  next_sequence_ = frame.header.sequence + 1;
+  record_.add(result.estimate, tracker_.map());
+  if (result.keyframe) {
+    unconfirmed_.push_back(*result.keyframe);
+    context_.publish(messages::channels::kKeyframe, *result.keyframe);
+  }
+  answered_.emplace(frame.header.sequence, result.estimate);
+  if (answered_.size() > kAnswersKept) answered_.erase(answered_.begin());
+  answer(result.estimate);
+  context_.status().count_frame(milliseconds_since(start));
+}
+
+void TrackerService::answer(const tracking::PoseEstimate& estimate) {
+  context_.publish(messages::channels::kPose, estimate);
+  context_.publish(messages::channels::kAcknowledge,
+                   messages::Acknowledge{session_, estimate.header.sequence, context_.options().name});
+}
+
+void TrackerService::idle(std::int64_t now_utime) {
+  if (unconfirmed_.empty()) {
+    last_announcement_utime_ = now_utime;
+    return;
+  }
+  if (now_utime - last_announcement_utime_ < kAnnouncementPeriod) return;
+  last_announcement_utime_ = now_utime;
+  context_.publish(messages::channels::kKeyframe, unconfirmed_.front());
+}
+
+base::Status TrackerService::save() {
+  if (context_.options().out.empty()) return {};
+  return record_.save(context_.options().out, tracker_.map());
+}
+
+}  // namespace eg::services

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+
+#include "common/service/service.hpp"
+#include "common/tracking/tracker.hpp"
+#include "services/tracker/track_record.hpp"
+
+namespace eg::services {
+
+/// FEATURES in; POSE and KEYFRAME out. Keeps its replica of the E-Graph by EGRAPH_UPDATE.
+///
+/// Lockstep: frames are tracked strictly in order, and after a keyframe the next frame waits for the server's update,
+/// so that the result does not depend on timing. A frame seen before is answered again, not tracked again. Real time:
+/// what waits is dropped for the newest frame; updates are applied when they come. Either way a keyframe is announced
+/// again until the server's update for it arrives.
+class TrackerService : public service::Service {
+ public:
+  TrackerService(service::ServiceContext& context, tracking::TrackerOptions options);
+
+  void idle(std::int64_t now_utime) override;
+
+  /// Writes trajectory.txt, states.csv, keyframes.txt and map.ply.
+  base::Status save() override;
+
+ private:
+  void on_features(const features::FrameFeatures& frame);
+  void on_graph_update(const egraph::GraphUpdate& update);
+  void on_graph_snapshot(const egraph::GraphSnapshot& snapshot);
+  void on_end_of_stream(const messages::EndOfStream& end);
+
+  void track_waiting_frames();
+  void track(const features::FrameFeatures& frame);
+  void answer(const tracking::PoseEstimate& estimate);
+  void forget_confirmed_keyframes();
+  [[nodiscard]] bool waits_for_graph() const;
+
+  service::ServiceContext& context_;
+  tracking::Tracker tracker_;
+  TrackRecord record_;
+  std::int64_t session_ = 0;
+  std::int64_t next_sequence_ = 0;
+  std::map<std::int64_t, features::FrameFeatures> waiting_;  ///< by sequence
+  std::map<std::int64_t, tracking::PoseEstimate> answered_;  ///< recent ones, for frames that come again
+  std::deque<egraph::Keyframe> unconfirmed_;                 ///< announced, no update yet
+  std::int64_t last_announcement_utime_ = 0;
+};
+
+}  // namespace eg::services
