@@ -60,6 +60,9 @@ class ConfigSchema {
   /// The last field added must be given; all others keep the value they have.
   ConfigSchema& required();
 
+  /// A key that is somebody else's: it may be given, with any value, and is neither read nor printed.
+  ConfigSchema& foreign(std::string key);
+
   /// A nested mapping. The reference stays valid as long as this schema.
   ConfigSchema& section(std::string key, std::string help = {});
 
@@ -72,7 +75,8 @@ class ConfigSchema {
     double* values;
     std::size_t count;
   };
-  using Target = std::variant<double*, int*, std::int64_t*, bool*, std::string*, List, Choice, ConfigSchema*>;
+  struct Foreign {};
+  using Target = std::variant<double*, int*, std::int64_t*, bool*, std::string*, List, Choice, ConfigSchema*, Foreign>;
   struct Field {
     std::string key;
     Target target;

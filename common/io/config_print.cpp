@@ -34,9 +34,11 @@ std::string text_of(const ConfigSchema::Choice& choice) {
 }
 
 std::string text_of(ConfigSchema* /*section*/) { return {}; }
+std::string text_of(const ConfigSchema::Foreign& /*target*/) { return {}; }
 
 void print(const ConfigSchema& schema, const std::string& indent, std::string& out) {
   for (const auto& field : schema.fields()) {
+    if (std::holds_alternative<ConfigSchema::Foreign>(field.target)) continue;
     const std::string value = std::visit([](const auto& target) { return text_of(target); }, field.target);
     out += indent + field.key + ":" + (value.empty() ? "" : " " + value);
     out += (field.help.empty() ? "" : "  # " + field.help) + "\n";

@@ -114,6 +114,8 @@ base::Status read_value(const Value& value, ConfigSchema* section) {
   return read_mapping(value.file, value.node, *section);
 }
 
+base::Status read_value(const Value& /*value*/, const ConfigSchema::Foreign& /*target*/) { return {}; }
+
 tl::unexpected<base::Error> unknown_key(const std::string& file, const YAML::Node& key, const ConfigSchema& schema) {
   std::vector<std::string> known;
   for (const auto& field : schema.fields()) known.push_back(field.key);

@@ -33,6 +33,8 @@ ConfigSchema& ConfigSchema::required() {
   return *this;
 }
 
+ConfigSchema& ConfigSchema::foreign(std::string key) { return add(std::move(key), Foreign{}, {}, {}); }
+
 ConfigSchema& ConfigSchema::section(std::string key, std::string help) {
   ConfigSchema& nested = sections_.emplace_back();
   add(std::move(key), &nested, {}, std::move(help));
