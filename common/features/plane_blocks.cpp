@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/geometry/depth_noise.hpp"
-
 namespace eg::features {
 namespace {
 
@@ -53,19 +51,27 @@ void add_row(const float* inverse_depth, const double* ray_x, double ray_y, int 
   moments.ww += ww;
 }
 
-PlaneFit fit_block(const PlaneMoments& moments, const cv::Rect& area, const PlaneOptions& options) {
-  const double enough = std::max<double>(kMinBlockPixels, options.min_valid_fraction * area.area());
+PlaneFit fit_block(const PlaneMoments& moments, const cv::Rect& area, double min_valid_fraction,
+                   const PlaneTolerance& tolerance) {
+  const double enough = std::max<double>(kMinBlockPixels, min_valid_fraction * area.area());
   if (moments.pixels < enough) return {};
   PlaneFit fit = fit_plane(moments);
-  const double limit = options.max_block_error * options.max_block_error;
-  fit.valid = fit.valid && fit.mean_squared_error <= limit;
+  fit.valid = fit.valid && tolerance.accepts(moments, fit.plane);
   return fit;
 }
 
 }  // namespace
 
-double inverse_depth_sigma(double inverse_depth) {
-  return inverse_depth * inverse_depth * geometry::depth_sigma(1.0 / inverse_depth);
+double noise_level(const BlockGrid& grid) {
+  constexpr double kLowest = 1.0 / 3.0;
+  std::vector<double> errors;
+  for (const PlaneFit& fit : grid.fits) {
+    if (fit.valid) errors.push_back(fit.mean_squared_error);
+  }
+  if (errors.empty()) return 1.0;
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return std::clamp(std::sqrt(*middle), kLowest, 1.0);
 }
 
 void weight_by_noise(PlaneMoments& moments) {
@@ -81,7 +87,7 @@ cv::Rect BlockGrid::pixels_of(int column, int row) const {
 }
 
 void build_blocks(const cv::Mat& depth, const geometry::CameraModel& camera, const PlaneOptions& options,
-                  BlockGrid& grid) {
+                  const PlaneTolerance& tolerance, BlockGrid& grid) {
   grid.block_size = options.block_size > 0 ? options.block_size : automatic_block_size(depth.size());
   grid.columns = (depth.cols + grid.block_size - 1) / grid.block_size;
   grid.rows = (depth.rows + grid.block_size - 1) / grid.block_size;
@@ -107,7 +113,7 @@ void build_blocks(const cv::Mat& depth, const geometry::CameraModel& camera, con
     for (int c = 0; c < grid.columns; ++c) {
       const auto block = static_cast<std::size_t>(r * grid.columns + c);
       weight_by_noise(grid.moments[block]);
-      grid.fits[block] = fit_block(grid.moments[block], grid.pixels_of(c, r), options);
+      grid.fits[block] = fit_block(grid.moments[block], grid.pixels_of(c, r), options.min_valid_fraction, tolerance);
     }
   }
 }

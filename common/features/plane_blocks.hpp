@@ -5,13 +5,10 @@
 
 #include "common/features/plane_extraction.hpp"
 #include "common/features/plane_moments.hpp"
+#include "common/features/plane_tolerance.hpp"
 #include "common/geometry/camera_model.hpp"
 
 namespace eg::features {
-
-/// Standard deviation of the inverse depth w, from that of the depth: sigma_w = w² sigma_z(1/w). Nearly constant from 1
-/// to 5 m, because structured light measures disparity.
-double inverse_depth_sigma(double inverse_depth);
 
 /// The depth image cut into square blocks, with the moments of each: the nodes of the block graph.
 struct BlockGrid {
@@ -30,7 +27,11 @@ struct BlockGrid {
 
 /// Fills `grid` from a depth image in metres.
 void build_blocks(const cv::Mat& depth, const geometry::CameraModel& camera, const PlaneOptions& options,
-                  BlockGrid& grid);
+                  const PlaneTolerance& tolerance, BlockGrid& grid);
+
+/// The noise of this image compared with geometry::depth_sigma: the median rms error of the flat blocks. Between 1 and
+/// a third, so that neither clutter nor a perfect renderer carries the thresholds away.
+double noise_level(const BlockGrid& grid);
 
 /// Gives moments of unweighted pixels that lie at about one depth the weight 1/sigma².
 void weight_by_noise(PlaneMoments& moments);

@@ -2,22 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 #include <queue>
 #include <tuple>
 
 namespace eg::features {
 namespace {
-
-/// The plane of the union of two regions, unless one of them does not fit it.
-std::optional<PlaneFit> fit_union(const PlaneMoments& left, const PlaneMoments& right, double max_squared_error) {
-  const PlaneFit fit = fit_plane(left + right);
-  if (!fit.valid || left.mean_squared_error(fit.plane) > max_squared_error ||
-      right.mean_squared_error(fit.plane) > max_squared_error) {
-    return std::nullopt;
-  }
-  return fit;
-}
 
 /// Disjoint sets of blocks with the moments of each set.
 class BlockSets {
@@ -60,13 +49,13 @@ struct Edge {
 /// has hundreds of edges, and refreshing all of them at every merge would cost more than everything else together.
 class EdgeHeap {
  public:
-  EdgeHeap(BlockSets& sets, double max_error) : sets_(sets), max_squared_error_(max_error * max_error) {}
+  EdgeHeap(BlockSets& sets, const PlaneTolerance& tolerance) : sets_(sets), tolerance_(tolerance) {}
 
   void push(int a, int b) {
     const int root_a = sets_.find(a);
     const int root_b = sets_.find(b);
     if (root_a == root_b) return;
-    const auto fit = fit_union(sets_.moments(root_a), sets_.moments(root_b), max_squared_error_);
+    const auto fit = fit_union(sets_.moments(root_a), sets_.moments(root_b), tolerance_);
     if (fit) heap_.push({fit->mean_squared_error, a, b, union_pixels(root_a, root_b)});
   }
 
@@ -91,7 +80,7 @@ class EdgeHeap {
   }
 
   BlockSets& sets_;
-  double max_squared_error_;
+  const PlaneTolerance& tolerance_;
   std::priority_queue<Edge, std::vector<Edge>, std::greater<>> heap_;
 };
 
@@ -122,9 +111,17 @@ std::vector<int> largest_roots(const BlockGrid& grid, BlockSets& sets, double mi
 
 }  // namespace
 
-BlockClusters cluster_blocks(const BlockGrid& grid, double max_merge_error, double min_pixels, int max_regions) {
+std::optional<PlaneFit> fit_union(const PlaneMoments& left, const PlaneMoments& right,
+                                  const PlaneTolerance& tolerance) {
+  const PlaneFit fit = fit_plane(left + right);
+  if (!fit.valid || !tolerance.accepts(left, fit.plane) || !tolerance.accepts(right, fit.plane)) return std::nullopt;
+  return fit;
+}
+
+BlockClusters cluster_blocks(const BlockGrid& grid, const PlaneTolerance& tolerance, double min_pixels,
+                             int max_regions) {
   BlockSets sets(grid);
-  EdgeHeap heap(sets, max_merge_error);
+  EdgeHeap heap(sets, tolerance);
   push_neighbours(grid, heap);
   heap.merge_all();
 
@@ -142,39 +139,6 @@ BlockClusters cluster_blocks(const BlockGrid& grid, double max_merge_error, doub
     }
   }
   return clusters;
-}
-
-std::vector<int> merge_coplanar(std::vector<PlaneRegion>& regions, double max_error) {
-  std::vector<int> order(regions.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
-    return regions[static_cast<std::size_t>(i)].moments.pixels > regions[static_cast<std::size_t>(j)].moments.pixels;
-  });
-  std::vector<int> new_index(regions.size(), -1);
-  std::vector<PlaneRegion> merged;
-  for (const int i : order) {
-    const PlaneRegion& region = regions[static_cast<std::size_t>(i)];
-    // Of all larger planes, the one that the union fits best.
-    int best = -1;
-    PlaneFit best_fit;
-    for (std::size_t j = 0; j < merged.size(); ++j) {
-      const auto fit = fit_union(merged[j].moments, region.moments, max_error * max_error);
-      if (fit && (best < 0 || fit->mean_squared_error < best_fit.mean_squared_error)) {
-        best = static_cast<int>(j);
-        best_fit = *fit;
-      }
-    }
-    if (best < 0) {
-      best = static_cast<int>(merged.size());
-      merged.push_back(region);
-    } else {
-      merged[static_cast<std::size_t>(best)].moments += region.moments;
-      merged[static_cast<std::size_t>(best)].plane = best_fit.plane;
-    }
-    new_index[static_cast<std::size_t>(i)] = best;
-  }
-  regions = std::move(merged);
-  return new_index;
 }
 
 }  // namespace eg::features

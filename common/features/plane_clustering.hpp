@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/features/plane_blocks.hpp"
+#include "common/features/plane_tolerance.hpp"
 
 namespace eg::features {
 
@@ -20,10 +22,10 @@ struct BlockClusters {
 
 /// Clusters the blocks bottom-up: while there are neighbours whose union is flat, merges the pair whose union has the
 /// smallest mean squared error. Regions under `min_pixels` are dropped, and no more than `max_regions` are kept.
-BlockClusters cluster_blocks(const BlockGrid& grid, double max_merge_error, double min_pixels, int max_regions);
+BlockClusters cluster_blocks(const BlockGrid& grid, const PlaneTolerance& tolerance, double min_pixels,
+                             int max_regions);
 
-/// Joins regions that lie on one plane wherever they are in the image (a wall behind a pillar). Returns the new index
-/// of each old region; `regions` comes back shortened and by falling number of pixels.
-std::vector<int> merge_coplanar(std::vector<PlaneRegion>& regions, double max_error);
+/// The plane of the union of two regions, unless one of them does not fit it.
+std::optional<PlaneFit> fit_union(const PlaneMoments& left, const PlaneMoments& right, const PlaneTolerance& tolerance);
 
 }  // namespace eg::features

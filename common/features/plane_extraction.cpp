@@ -12,6 +12,7 @@
 #include "common/features/plane_clustering.hpp"
 #include "common/features/plane_growing.hpp"
 #include "common/features/plane_hull.hpp"
+#include "common/features/plane_merging.hpp"
 #include "common/features/plane_refit.hpp"
 
 namespace eg::features {
@@ -33,25 +34,27 @@ Eigen::Matrix4d hessian_covariance(const geometry::Plane& plane, const Eigen::Ma
 }
 
 /// What calibration leaves: a tilt about the centroid and a change of scale.
-Eigen::Matrix4d systematic_covariance(const PlaneFeature& feature, const PlaneOptions& options) {
+Eigen::Matrix4d systematic_covariance(const PlaneFeature& feature, double angle, double relative_distance) {
   const Eigen::Vector3d& n = feature.plane.normal;
   Eigen::Matrix<double, 4, 3> tilt;
   tilt.topRows<3>() = Eigen::Matrix3d::Identity() - n * n.transpose();
   tilt.row(3) = -feature.centroid.transpose() * tilt.topRows<3>();
-  Eigen::Matrix4d covariance = options.systematic_angle * options.systematic_angle * tilt * tilt.transpose();
-  const double sigma = options.systematic_distance * feature.plane.distance;
+  Eigen::Matrix4d covariance = angle * angle * tilt * tilt.transpose();
+  const double sigma = relative_distance * feature.plane.distance;
   covariance(3, 3) += sigma * sigma;
   return covariance;
 }
 
-PlaneFeature make_feature(const PlaneRegion& region, const PlaneScatter& scatter, const PlaneOptions& options) {
+PlaneFeature make_feature(const PlaneRegion& region, const PlaneScatter& scatter, double noise,
+                          const PlaneOptions& options) {
   PlaneFeature feature;
   feature.plane = hessian_form(region.plane);
   feature.support = static_cast<std::int32_t>(std::lround(region.moments.pixels));
   const Eigen::Vector3d mean = scatter.point_sum / region.moments.pixels;
   feature.centroid = mean - feature.plane.signed_distance(mean) * feature.plane.normal;
   feature.covariance =
-      hessian_covariance(feature.plane, plane_covariance(region, scatter)) + systematic_covariance(feature, options);
+      hessian_covariance(feature.plane, plane_covariance(region, scatter)) +
+      systematic_covariance(feature, noise * options.systematic_angle, noise * options.systematic_distance);
   return feature;
 }
 
@@ -95,10 +98,12 @@ base::Status validate(const PlaneOptions& options) {
   if (!(options.min_valid_fraction > 0 && options.min_valid_fraction <= 1)) {
     return out_of_range("min_valid_fraction", "in (0, 1]");
   }
-  if (!(options.max_block_error > 0)) return out_of_range("max_block_error", "positive");
-  if (!(options.max_merge_error > 0)) return out_of_range("max_merge_error", "positive");
+  if (!(options.max_error > 0)) return out_of_range("max_error", "positive");
   if (!(options.max_growth_error > 0)) return out_of_range("max_growth_error", "positive");
-  if (!(options.max_coplanar_error > 0)) return out_of_range("max_coplanar_error", "positive");
+  if (!(options.max_warp_error > 0)) return out_of_range("max_warp_error", "positive");
+  if (!(options.max_step > 0)) return out_of_range("max_step", "positive");
+  if (!(options.flatness >= 0)) return out_of_range("flatness", "at least 0");
+  if (!(options.lateral_sigma >= 0)) return out_of_range("lateral_sigma", "at least 0");
   if (!(options.min_support_fraction > 0 && options.min_support_fraction <= 1)) {
     return out_of_range("min_support_fraction", "in (0, 1]");
   }
@@ -127,24 +132,29 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   auto& [grid, grower, labels, patches] = *buffers_;
   const double min_support = options_.min_support_fraction * static_cast<double>(depth.total());
 
-  build_blocks(depth, camera, options_, grid);
+  const PlaneTolerance sensor(camera, options_.lateral_sigma, options_.max_error, 0.0);
+  build_blocks(depth, camera, options_, sensor, grid);
+  const double noise = noise_level(grid);
+  const PlaneTolerance tolerance(camera, options_.lateral_sigma, noise * options_.max_error, 0.0);
+  const PlaneTolerance coplanar_tolerance(camera, options_.lateral_sigma, noise * options_.max_error,
+                                          noise * options_.flatness);
+  const PlaneTolerance warp_tolerance(camera, options_.lateral_sigma, noise * options_.max_warp_error,
+                                      noise * options_.flatness);
   // Parts of a plane may be small until they are joined.
-  BlockClusters clusters = cluster_blocks(grid, options_.max_merge_error, 0.2 * min_support, kMaxRegions);
-  const std::vector<int> joined = merge_coplanar(clusters.regions, options_.max_coplanar_error);
-  for (int& region : clusters.region_of_block) {
-    if (region >= 0) region = joined[static_cast<std::size_t>(region)];
-  }
-  grower.grow(grid, clusters, options_.max_growth_error, labels);
+  BlockClusters clusters = cluster_blocks(grid, tolerance, 0.2 * min_support, kMaxRegions);
+  merge_continuous(grid, warp_tolerance, noise * options_.max_step, clusters);
+  renumber(merge_coplanar(clusters.regions, coplanar_tolerance), clusters.region_of_block);
+  grower.grow(grid, clusters, tolerance, options_.max_growth_error, labels);
 
   collect_patches(grid, labels, patches);
   std::vector<PlaneRegion> regions = refit_regions(patches, static_cast<int>(clusters.regions.size()));
-  relabel(merge_coplanar(regions, options_.max_coplanar_error), patches, labels.labels);
+  relabel(merge_coplanar(regions, coplanar_tolerance), patches, labels.labels);
   relabel(rank(regions, min_support), patches, labels.labels);
 
   PlaneExtraction result;
   const std::vector<PlaneScatter> scatters = scatter_of_regions(patches, regions);
   for (std::size_t i = 0; i < regions.size(); ++i) {
-    result.planes.push_back(make_feature(regions[i], scatters[i], options_));
+    result.planes.push_back(make_feature(regions[i], scatters[i], noise, options_));
   }
   add_hulls(labels.labels, grid, result.planes);
   result.labels = labels.labels.clone();

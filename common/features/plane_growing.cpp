@@ -1,5 +1,6 @@
 #include "common/features/plane_growing.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -69,7 +70,7 @@ void RegionGrower::claim_seeds(const BlockGrid& grid, RegionLabels& result) {
   }
 }
 
-void RegionGrower::claim(int u, int v, int region, const BlockGrid& grid, double max_error,
+void RegionGrower::claim(int u, int v, int region, const BlockGrid& grid, const PlaneTolerance& tolerance,
                          const BlockClusters& clusters, RegionLabels& result) {
   const double w = grid.inverse_depth.ptr<float>(v)[u];
   float& smallest_error = errors_.ptr<float>(v)[u];
@@ -77,14 +78,15 @@ void RegionGrower::claim(int u, int v, int region, const BlockGrid& grid, double
   const InverseDepthPlane& plane = clusters.regions[static_cast<std::size_t>(region)].plane;
   const double expected = plane.x() * grid.ray_x[static_cast<std::size_t>(u)] +
                           plane.y() * grid.ray_y[static_cast<std::size_t>(v)] + plane.z();
-  const auto error = static_cast<float>(std::abs(w - expected) / inverse_depth_sigma(w));
-  if (error > max_error || error >= smallest_error) return;
+  const auto error = static_cast<float>(std::abs(w - expected) / std::sqrt(tolerance.variance(w, plane)));
+  if (error > limits_[static_cast<std::size_t>(region)] || error >= smallest_error) return;
   smallest_error = error;
   result.labels.ptr<std::uint8_t>(v)[u] = static_cast<std::uint8_t>(region + 1);
   frontier_.push_back(v * grid.inverse_depth.cols + u);
 }
 
-void RegionGrower::grow(const BlockGrid& grid, const BlockClusters& clusters, double max_error, RegionLabels& result) {
+void RegionGrower::grow(const BlockGrid& grid, const BlockClusters& clusters, const PlaneTolerance& tolerance,
+                        double max_error, RegionLabels& result) {
   const cv::Size size = grid.inverse_depth.size();
   result.labels.create(size, CV_8UC1);
   result.labels.setTo(0);
@@ -92,6 +94,12 @@ void RegionGrower::grow(const BlockGrid& grid, const BlockClusters& clusters, do
   errors_.setTo(std::numeric_limits<float>::max());
   result.seed_of_block = erode(grid, clusters);
   claim_seeds(grid, result);
+  limits_.clear();
+  for (const PlaneRegion& region : clusters.regions) {
+    constexpr double kLeastError = 0.5;  // sigma; noise-free images must not stop at rounding errors
+    const double error = std::sqrt(region.moments.mean_squared_error(region.plane));
+    limits_.push_back(static_cast<float>(max_error * std::max(kLeastError, error)));
+  }
   for (std::size_t next = 0; next < frontier_.size(); ++next) {
     const int u = frontier_[next] % size.width;
     const int v = frontier_[next] / size.width;
@@ -100,7 +108,7 @@ void RegionGrower::grow(const BlockGrid& grid, const BlockClusters& clusters, do
       const int x = u + step_u;
       const int y = v + step_v;
       if (x < 0 || y < 0 || x >= size.width || y >= size.height) continue;
-      claim(x, y, region, grid, max_error, clusters, result);
+      claim(x, y, region, grid, tolerance, clusters, result);
     }
   }
 }

@@ -15,18 +15,20 @@ struct RegionLabels {
 };
 
 /// Turns blocks into pixels (Feng 2014, section III-D): takes the blocks at a region's boundary away, because they may
-/// reach over it, and grows the rest pixel by pixel. A pixel joins a region it touches if it is within `max_error`
-/// standard deviations of its plane; if several want it, the nearest plane gets it. At most 255 regions.
+/// reach over it, and grows the rest pixel by pixel. A pixel joins a region it touches if its error is at most
+/// `max_error` times the region's rms error; if several want it, the nearest plane gets it. At most 255 regions.
 class RegionGrower {
  public:
-  void grow(const BlockGrid& grid, const BlockClusters& clusters, double max_error, RegionLabels& result);
+  void grow(const BlockGrid& grid, const BlockClusters& clusters, const PlaneTolerance& tolerance, double max_error,
+            RegionLabels& result);
 
  private:
   void claim_seeds(const BlockGrid& grid, RegionLabels& result);
-  void claim(int u, int v, int region, const BlockGrid& grid, double max_error, const BlockClusters& clusters,
-             RegionLabels& result);
+  void claim(int u, int v, int region, const BlockGrid& grid, const PlaneTolerance& tolerance,
+             const BlockClusters& clusters, RegionLabels& result);
 
   std::vector<int> frontier_;  ///< pixels whose neighbours are still to be looked at
+  std::vector<float> limits_;  ///< largest error of a pixel that joins, per region, sigma
   cv::Mat errors_;             ///< CV_32FC1, error of a pixel under its region's plane, sigma
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <limits>
 #include <opencv2/core.hpp>
 
@@ -39,7 +40,9 @@ TEST_P(EitherCamera, FindsTheThreePlanesOfACornerExactly) {
       if (angle < best) {
         best = angle;
         EXPECT_GT(found.plane.distance, 0);
-        if (angle < 1) EXPECT_NEAR(found.plane.distance, truth.distance, 1e-4);
+        if (angle < 1) {
+          EXPECT_NEAR(found.plane.distance, truth.distance, 1e-4);
+        }
       }
     }
     EXPECT_LT(best, 0.005);

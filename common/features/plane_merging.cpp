@@ -1,0 +1,138 @@
+#include "common/features/plane_merging.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace eg::features {
+namespace {
+
+/// Two neighbouring blocks of different regions.
+struct Contact {
+  int region_a = 0;
+  int region_b = 0;
+  Eigen::Vector3d ray = Eigen::Vector3d::Zero();  ///< between the blocks
+  double inverse_depth = 0;
+};
+
+Eigen::Vector3d mean_ray(const PlaneMoments& m) { return Eigen::Vector3d(m.a, m.b, m.weight) / m.weight; }
+
+/// Contacts across at most one unusable block: those on a crease are mixed and often rejected.
+std::vector<Contact> find_contacts(const BlockGrid& grid, const std::vector<int>& region_of_block) {
+  std::vector<Contact> contacts;
+  const auto region_of = [&](int block) { return region_of_block[static_cast<std::size_t>(block)]; };
+  const auto look = [&](int block, int step, int room) {
+    int other = block + step;
+    if (room > 1 && region_of(other) < 0) other += step;
+    if (region_of(other) < 0 || region_of(other) == region_of(block)) return;
+    const PlaneMoments& a = grid.moments[static_cast<std::size_t>(block)];
+    const PlaneMoments& b = grid.moments[static_cast<std::size_t>(other)];
+    contacts.push_back({region_of(block), region_of(other), 0.5 * (mean_ray(a) + mean_ray(b)),
+                        0.5 * (a.w / a.weight + b.w / b.weight)});
+  };
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const int block = row * grid.columns + column;
+      if (region_of(block) < 0) continue;
+      if (column + 1 < grid.columns) look(block, 1, grid.columns - 1 - column);
+      if (row + 1 < grid.rows) look(block, grid.columns, grid.rows - 1 - row);
+    }
+  }
+  return contacts;
+}
+
+/// The pair of touching regions whose union has the smallest error, among those that may be joined; {-1, -1}: none.
+std::pair<int, int> best_pair(const std::vector<Contact>& contacts, const std::vector<PlaneRegion>& regions,
+                              const PlaneTolerance& tolerance, double max_step) {
+  std::map<std::pair<int, int>, std::pair<double, int>> steps;  // sum of squared steps and their number
+  for (const Contact& contact : contacts) {
+    if (contact.region_a == contact.region_b) continue;
+    const InverseDepthPlane& a = regions[static_cast<std::size_t>(contact.region_a)].plane;
+    const InverseDepthPlane& b = regions[static_cast<std::size_t>(contact.region_b)].plane;
+    const double step = (a - b).dot(contact.ray);
+    auto& [sum, count] = steps[std::minmax(contact.region_a, contact.region_b)];
+    sum += step * step / tolerance.variance(contact.inverse_depth, 0.5 * (a + b));
+    count += 1;
+  }
+  std::pair<int, int> best{-1, -1};
+  double best_error = 0;
+  for (const auto& [pair, step] : steps) {
+    constexpr int kFewestContacts = 2;
+    if (step.second < kFewestContacts || step.first > max_step * max_step * step.second) continue;
+    const auto fit = fit_union(regions[static_cast<std::size_t>(pair.first)].moments,
+                               regions[static_cast<std::size_t>(pair.second)].moments, tolerance);
+    if (fit && (best.first < 0 || fit->mean_squared_error < best_error)) {
+      best = pair;
+      best_error = fit->mean_squared_error;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<int> merge_coplanar(std::vector<PlaneRegion>& regions, const PlaneTolerance& tolerance) {
+  std::vector<int> order(regions.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+    return regions[static_cast<std::size_t>(i)].moments.pixels > regions[static_cast<std::size_t>(j)].moments.pixels;
+  });
+  std::vector<int> new_index(regions.size(), -1);
+  std::vector<PlaneRegion> merged;
+  for (const int i : order) {
+    const PlaneRegion& region = regions[static_cast<std::size_t>(i)];
+    // Of all larger planes, the one that the union fits best.
+    int best = -1;
+    PlaneFit best_fit;
+    for (std::size_t j = 0; j < merged.size(); ++j) {
+      const auto fit = fit_union(merged[j].moments, region.moments, tolerance);
+      if (fit && (best < 0 || fit->mean_squared_error < best_fit.mean_squared_error)) {
+        best = static_cast<int>(j);
+        best_fit = *fit;
+      }
+    }
+    if (best < 0) {
+      best = static_cast<int>(merged.size());
+      merged.push_back(region);
+    } else {
+      merged[static_cast<std::size_t>(best)].moments += region.moments;
+      merged[static_cast<std::size_t>(best)].plane = best_fit.plane;
+    }
+    new_index[static_cast<std::size_t>(i)] = best;
+  }
+  regions = std::move(merged);
+  return new_index;
+}
+
+void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, double max_step,
+                      BlockClusters& clusters) {
+  std::vector<PlaneRegion>& regions = clusters.regions;
+  std::vector<Contact> contacts = find_contacts(grid, clusters.region_of_block);
+  for (;;) {
+    const auto [kept, removed] = best_pair(contacts, regions, tolerance, max_step);
+    if (kept < 0) return;
+    PlaneRegion& region = regions[static_cast<std::size_t>(kept)];
+    region.moments += regions[static_cast<std::size_t>(removed)].moments;
+    region.plane = fit_plane(region.moments).plane;
+    // Closes the gap in the numbering.
+    regions.erase(regions.begin() + removed);
+    std::vector<int> new_index(regions.size() + 1);
+    std::iota(new_index.begin(), new_index.end(), 0);
+    for (std::size_t i = static_cast<std::size_t>(removed); i < new_index.size(); ++i) new_index[i] -= 1;
+    new_index[static_cast<std::size_t>(removed)] = kept;
+    renumber(new_index, clusters.region_of_block);
+    for (Contact& contact : contacts) {
+      contact.region_a = new_index[static_cast<std::size_t>(contact.region_a)];
+      contact.region_b = new_index[static_cast<std::size_t>(contact.region_b)];
+    }
+  }
+}
+
+void renumber(const std::vector<int>& new_index, std::vector<int>& indices) {
+  for (int& index : indices) {
+    if (index >= 0) index = new_index[static_cast<std::size_t>(index)];
+  }
+}
+
+}  // namespace eg::features

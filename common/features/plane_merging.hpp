@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "common/features/plane_clustering.hpp"
+
+namespace eg::features {
+
+/// Joins regions that lie on one plane wherever they are in the image (a wall behind a pillar). Returns the new index
+/// of each old region.
+std::vector<int> merge_coplanar(std::vector<PlaneRegion>& regions, const PlaneTolerance& tolerance);
+
+/// Joins regions that touch without a step and are one plane within a wider tolerance: real walls are wavy, and the
+/// sensor bends flat ones. `max_step` is in standard deviations of a reading.
+void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, double max_step, BlockClusters& clusters);
+
+/// Replaces every index i >= 0 by new_index[i].
+void renumber(const std::vector<int>& new_index, std::vector<int>& indices);
+
+}  // namespace eg::features

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "common/features/plane_extraction.hpp"
+#include "common/features/plane_moments.hpp"
+#include "common/geometry/camera_model.hpp"
+
+namespace eg::features {
+
+/// Standard deviation of the inverse depth w, from that of the depth: sigma_w = w² sigma_z(1/w). Nearly constant from 1
+/// to 5 m, because structured light measures disparity.
+double inverse_depth_sigma(double inverse_depth);
+
+/// How far readings may be from a plane that they belong to: the sensor's noise along the ray, its noise sideways,
+/// which matters on steep surfaces, and what walls and the sensor's warp deviate from a plane.
+class PlaneTolerance {
+ public:
+  /// `max_error` in standard deviations of a reading, rms; `lateral_sigma` in pixels; `flatness` in metres.
+  PlaneTolerance(const geometry::CameraModel& camera, double lateral_sigma, double max_error, double flatness);
+
+  /// Whether a region is on `plane`, as a whole.
+  [[nodiscard]] bool accepts(const PlaneMoments& region, const InverseDepthPlane& plane) const;
+
+  /// Variance of a single reading of inverse depth on a plane.
+  [[nodiscard]] double variance(double inverse_depth, const InverseDepthPlane& plane) const;
+
+ private:
+  [[nodiscard]] double lateral_variance(const InverseDepthPlane& plane) const {
+    return plane.cwiseProduct(lateral_).squaredNorm();
+  }
+
+  Eigen::Vector3d lateral_;  ///< noise sideways, on the axes of the ray
+  double max_squared_error_;
+  double squared_flatness_;
+};
+
+}  // namespace eg::features
