@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/base/check.hpp"
+#include "common/synthetic/depth_encoding.hpp"
 
 namespace eg::synthetic {
 namespace {
@@ -16,6 +17,7 @@ std::string trajectory_name(const SequenceOptions& options) {
 base::Status validate(const SequenceOptions& options) {
   if (const auto camera = geometry::validate(options.camera); !camera) return camera;
   if (options.frame_count < 0) return base::fail("the number of frames of a synthetic sequence must not be negative");
+  if (options.noise) return validate(*options.noise);
   return {};
 }
 
@@ -60,10 +62,11 @@ Rendering SyntheticSequence::render(int index) const {
 image::RgbdFrame SyntheticSequence::frame(int index) const {
   const Rendering exact = render(index);
   const geometry::CameraModel& camera = options_.camera;
-  return {{options_.session, index, utime(index)},
-          camera,
-          exact.colour,
-          encode_depth(exact.depth, camera.depth_units_per_metre)};
+  const image::RgbdFrame frame{{options_.session, index, utime(index)},
+                               camera,
+                               exact.colour,
+                               encode_depth(exact.depth, camera.depth_units_per_metre)};
+  return options_.noise ? add_noise(frame, *options_.noise, options_.seed) : frame;
 }
 
 }  // namespace eg::synthetic

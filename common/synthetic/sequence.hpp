@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/result.hpp"
 #include "common/geometry/camera_model.hpp"
 #include "common/image/rgbd_frame.hpp"
+#include "common/synthetic/noise.hpp"
 #include "common/synthetic/renderer.hpp"
 #include "common/synthetic/trajectory.hpp"
 
@@ -17,8 +19,9 @@ struct SequenceOptions {
   std::string scene = "room";
   std::string trajectory;  ///< empty: the one named like the scene
   geometry::CameraModel camera = *geometry::find_camera("synthetic");
-  int frame_count = 0;  ///< 0: as long as the trajectory is worth watching
-  std::uint64_t seed = 1;
+  int frame_count = 0;                               ///< 0: as long as the trajectory is worth watching
+  std::uint64_t seed = 1;                            ///< of textures and noise
+  std::optional<NoiseOptions> noise = std::nullopt;  ///< none: frames are exact but for the depth's unit
   std::int64_t session = 0;
   std::int64_t start_utime = 1'000'000;  ///< acquisition time of frame 0, microseconds
 };

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/geometry/pose.hpp"
+#include "common/image/rgbd_frame.hpp"
+
+namespace eg::services {
+
+/// What the frame source reads from.
+struct InputOptions {
+  std::string dataset = "synthetic:room";  ///< folder of a recording, or synthetic:SCENE
+  std::string camera;                      ///< name or YAML file; empty: found from the data set
+  std::int64_t max_frames = 0;             ///< 0: all
+  std::int64_t seed = 1;                   ///< of synthetic textures and noise
+  bool noise = true;                       ///< synthetic frames with the noise of a structured-light camera
+};
+
+/// A recording, read frame by frame. read() is called from one thread, not always the one that made the input.
+class FrameInput {
+ public:
+  virtual ~FrameInput() = default;
+
+  [[nodiscard]] virtual std::int64_t size() const = 0;
+  /// Acquisition time of frame `index`, microseconds; known without reading it.
+  [[nodiscard]] virtual std::int64_t utime(std::int64_t index) const = 0;
+  /// Frame `index` in [0, size()); its header holds the time only. The error names the file.
+  [[nodiscard]] virtual base::Result<image::RgbdFrame> read(std::int64_t index) const = 0;
+  /// The true poses, where the input makes them itself; recordings keep theirs in a file of their own.
+  [[nodiscard]] virtual std::vector<geometry::StampedPose> ground_truth() const { return {}; }
+  /// One line for the log: what is read, with which camera.
+  [[nodiscard]] virtual std::string description() const = 0;
+};
+
+/// Opens a recording or a synthetic scene. Its first frame is read once: a camera or a format that does not fit is an
+/// error here, not 1000 skipped frames later.
+base::Result<std::unique_ptr<FrameInput>> open_input(const InputOptions& options);
+
+}  // namespace eg::services

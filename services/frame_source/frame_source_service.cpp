@@ -1,0 +1,124 @@
+#include "services/frame_source/frame_source_service.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "common/io/trajectory_file.hpp"
+#include "common/messages/channels.hpp"
+
+namespace eg::services {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr std::size_t kFramesAhead = 2;
+constexpr milliseconds kPatience{10};          // for a frame that is still being read
+constexpr std::int64_t kSleepAtMost = 20'000;  // microseconds that idle() may wait for a frame's time
+constexpr std::int64_t kEndPeriod = 200'000;   // microseconds between END_OF_STREAM messages
+
+}  // namespace
+
+base::Status validate(const FrameSourceOptions& options, bool lockstep) {
+  if (lockstep && options.consumers.empty()) {
+    return base::fail("lockstep needs the names of the services that acknowledge frames (--consumers)");
+  }
+  return {};
+}
+
+FrameSourceService::FrameSourceService(service::ServiceContext& context, const FrameSourceOptions& options,
+                                       std::unique_ptr<FrameInput> input)
+    : context_(context),
+      session_(options.session),
+      input_(std::move(input)),
+      window_(options.consumers, options.window),
+      pacer_(options.consumers),
+      reader_(input_, kFramesAhead) {
+  context_.status().set_state("waiting for consumers");
+  spdlog::info("{}", input_->description());
+  if (context_.options().lockstep) {
+    context_.subscribe<messages::Acknowledge>(
+        messages::channels::kAcknowledge, 0, [this](const messages::Acknowledge& acknowledge) {
+          if (acknowledge.session != session_) return;
+          window_.acknowledge(acknowledge.consumer, acknowledge.sequence, now_utime_);
+        });
+  } else {
+    context_.subscribe<messages::ServiceStatus>(
+        messages::channels::kStatus, 0,
+        [this](const messages::ServiceStatus& status) { pacer_.heard_of(status.service); });
+  }
+}
+
+void FrameSourceService::idle(std::int64_t now_utime) {
+  now_utime_ = now_utime;
+  if (context_.options().lockstep) {
+    run_lockstep(now_utime);
+  } else {
+    run_realtime(now_utime);
+  }
+  if (reader_.exhausted() && !waiting_ && window_.empty()) announce_end(now_utime);
+}
+
+void FrameSourceService::run_lockstep(std::int64_t now_utime) {
+  while (window_.has_room()) {
+    std::optional<image::RgbdFrame> frame = next_frame();
+    if (!frame) break;
+    send(*frame);
+    window_.add(*std::move(frame), now_utime);
+  }
+  if (const image::RgbdFrame* lost = window_.to_resend(now_utime)) {
+    context_.publish(messages::channels::kRgbd, *lost);
+  }
+}
+
+void FrameSourceService::run_realtime(std::int64_t now_utime) {
+  if (!waiting_) waiting_ = next_frame();
+  if (!waiting_) return;
+  const std::optional<std::int64_t> until_due = pacer_.until(waiting_->header.utime, now_utime);
+  if (!until_due || *until_due > kSleepAtMost) return;
+  if (*until_due > 0) std::this_thread::sleep_for(microseconds(*until_due));
+  send(*waiting_);
+  waiting_.reset();
+}
+
+std::optional<image::RgbdFrame> FrameSourceService::next_frame() {
+  while (std::optional<ReadAhead::Item> item = reader_.take(kPatience)) {
+    if (item->frame) {
+      item->frame->header = {session_, sent_, input_->utime(item->index)};
+      return *std::move(item->frame);
+    }
+    spdlog::warn("frame {} is skipped: {}", item->index, item->frame.error().message);
+    skipped_utimes_.push_back(input_->utime(item->index));
+  }
+  return std::nullopt;
+}
+
+void FrameSourceService::send(const image::RgbdFrame& frame) {
+  const auto start = steady_clock::now();
+  context_.publish(messages::channels::kRgbd, frame);
+  context_.status().set_state("sending");
+  context_.status().count_frame(std::chrono::duration<double, std::milli>(steady_clock::now() - start).count());
+  sent_ = frame.header.sequence + 1;
+}
+
+void FrameSourceService::announce_end(std::int64_t now_utime) {
+  if (end_announced_ && now_utime - *end_announced_ < kEndPeriod) return;
+  if (!end_announced_) {
+    context_.status().set_state("end of stream");
+    spdlog::info("{} frames sent, {} skipped", sent_, skipped_utimes_.size());
+  }
+  end_announced_ = now_utime;
+  context_.publish(messages::channels::kEndOfStream, messages::EndOfStream{session_, sent_, skipped_utimes_});
+}
+
+base::Status FrameSourceService::save() {
+  const std::vector<geometry::StampedPose> poses = input_->ground_truth();
+  if (context_.options().out.empty() || poses.empty()) return {};
+  return io::write_trajectory(context_.options().out / "groundtruth.txt", poses);
+}
+
+}  // namespace eg::services

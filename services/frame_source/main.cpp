@@ -1,0 +1,56 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "common/io/config.hpp"
+#include "services/frame_source/frame_source_service.hpp"
+
+namespace {
+
+using namespace eg;
+
+void add_options(CLI::App& app, services::FrameSourceOptions& options) {
+  app.add_option("--dataset", options.input.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE")
+      ->envname("EGRAPH_DATASET")
+      ->capture_default_str();
+  app.add_option("--camera", options.input.camera, "Camera by name or YAML file; without it found from the data set")
+      ->envname("EGRAPH_CAMERA");
+  app.add_option("--frames", options.input.max_frames, "Read at most this many frames; 0: all")
+      ->envname("EGRAPH_FRAMES")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--consumers", options.consumers, "Services that acknowledge every frame")
+      ->envname("EGRAPH_CONSUMERS")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--session", options.session, "Number of this recording or robot, carried by every message")
+      ->envname("EGRAPH_SESSION")
+      ->capture_default_str();
+}
+
+void configure(io::ConfigSchema& section, services::FrameSourceOptions& options) {
+  section.section("synthetic", "the built-in scenes")
+      .field("seed", options.input.seed, {0, 1e15}, "of textures and noise")
+      .field("noise", options.input.noise, "of a structured-light depth camera and its colour camera");
+}
+
+base::Result<std::unique_ptr<service::Service>> make(service::ServiceContext& context,
+                                                     const services::FrameSourceOptions& options) {
+  if (const auto valid = services::validate(options, context.options().lockstep); !valid) {
+    return tl::make_unexpected(valid.error());
+  }
+  auto input = services::open_input(options.input);
+  if (!input) return tl::make_unexpected(input.error());
+  return std::make_unique<services::FrameSourceService>(context, options, *std::move(input));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  services::FrameSourceOptions options;
+  service::ServiceProgram program;
+  program.name = "frame_source";
+  program.description = "Publishes the frames of a recording or of a synthetic scene";
+  program.add_options = [&options](CLI::App& app) { add_options(app, options); };
+  program.configure = [&options](io::ConfigSchema& section) { configure(section, options); };
+  program.make = [&options](service::ServiceContext& context) { return make(context, options); };
+  return service::run_service(program, argc, argv);
+}
