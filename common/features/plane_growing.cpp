@@ -1,33 +1,40 @@
 #include "common/features/plane_growing.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 
 namespace eg::features {
 namespace {
 
-constexpr std::array<std::array<int, 2>, 4> kNeighbours{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+/// Calls `visit` with the up to four neighbours of a block.
+template <typename Visit>
+void for_each_neighbour(const BlockGrid& grid, int column, int row, Visit visit) {
+  const int block = row * grid.columns + column;
+  if (column > 0) visit(block - 1);
+  if (column + 1 < grid.columns) visit(block + 1);
+  if (row > 0) visit(block - grid.columns);
+  if (row + 1 < grid.rows) visit(block + grid.columns);
+}
 
-/// Blocks whose neighbours inside the image all belong to the same region. A region that would vanish keeps its blocks.
+/// Blocks that do not touch another region. A region that would vanish keeps its blocks.
 std::vector<int> erode(const BlockGrid& grid, const BlockClusters& clusters) {
-  std::vector<int> seeds(clusters.region_of_block.size(), -1);
+  std::vector<int> seeds(clusters.region_of_block);
   std::vector<bool> survives(clusters.regions.size(), false);
-  const auto region_at = [&](int column, int row) {
-    return clusters.region_of_block[static_cast<std::size_t>(row * grid.columns + column)];
-  };
+  const auto region_of = [&](int block) { return clusters.region_of_block[static_cast<std::size_t>(block)]; };
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      const int region = region_at(column, row);
+      const int block = row * grid.columns + column;
+      const int region = region_of(block);
       if (region < 0) continue;
-      const bool inside = (column == 0 || region_at(column - 1, row) == region) &&
-                          (column + 1 == grid.columns || region_at(column + 1, row) == region) &&
-                          (row == 0 || region_at(column, row - 1) == region) &&
-                          (row + 1 == grid.rows || region_at(column, row + 1) == region);
-      if (!inside) continue;
-      seeds[static_cast<std::size_t>(row * grid.columns + column)] = region;
-      survives[static_cast<std::size_t>(region)] = true;
+      bool touches_another = false;
+      for_each_neighbour(grid, column, row, [&](int other) {
+        touches_another = touches_another || (region_of(other) >= 0 && region_of(other) != region);
+      });
+      if (touches_another) {
+        seeds[static_cast<std::size_t>(block)] = -1;
+      } else {
+        survives[static_cast<std::size_t>(region)] = true;
+      }
     }
   }
   for (std::size_t block = 0; block < seeds.size(); ++block) {
@@ -37,52 +44,67 @@ std::vector<int> erode(const BlockGrid& grid, const BlockClusters& clusters) {
   return seeds;
 }
 
+/// A region's plane in single precision and its limit, for the inner loop.
+struct GrowingPlane {
+  float x = 0;
+  float y = 0;
+  float z = 0;
+  float lateral_variance = 0;
+  float max_squared_error = 0;
+  std::uint8_t label = 0;
+};
+
+std::vector<GrowingPlane> growing_planes(const std::vector<PlaneRegion>& regions, const PlaneTolerance& tolerance,
+                                         double max_error) {
+  std::vector<GrowingPlane> planes;
+  for (const PlaneRegion& region : regions) {
+    constexpr double kLeastSquaredError = 0.25;  // sigma²; images without noise must not stop at rounding errors
+    const double squared_error = std::max(kLeastSquaredError, region.moments.mean_squared_error(region.plane));
+    planes.push_back(
+        {static_cast<float>(region.plane.x()), static_cast<float>(region.plane.y()),
+         static_cast<float>(region.plane.z()), static_cast<float>(tolerance.lateral_variance(region.plane)),
+         static_cast<float>(max_error * max_error * squared_error), static_cast<std::uint8_t>(planes.size() + 1)});
+  }
+  return planes;
+}
+
 }  // namespace
 
-void RegionGrower::claim_seeds(const BlockGrid& grid, RegionLabels& result) {
-  frontier_.clear();
-  const auto seed_at = [&](int column, int row) {
-    return result.seed_of_block[static_cast<std::size_t>(row * grid.columns + column)];
-  };
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const int region = seed_at(column, row);
-      if (region < 0) continue;
-      const bool at_boundary = (column > 0 && seed_at(column - 1, row) != region) ||
-                               (column + 1 < grid.columns && seed_at(column + 1, row) != region) ||
-                               (row > 0 && seed_at(column, row - 1) != region) ||
-                               (row + 1 < grid.rows && seed_at(column, row + 1) != region);
-      const cv::Rect block = grid.pixels_of(column, row);
-      for (int v = block.y; v < block.y + block.height; ++v) {
-        const auto* w = grid.inverse_depth.ptr<float>(v);
-        auto* label = result.labels.ptr<std::uint8_t>(v);
-        auto* error = errors_.ptr<float>(v);
-        const bool edge_row = v == block.y || v + 1 == block.y + block.height;
-        for (int u = block.x; u < block.x + block.width; ++u) {
-          error[u] = 0.0F;  // nobody takes a pixel of a seed
-          if (w[u] <= 0.0F) continue;
-          label[u] = static_cast<std::uint8_t>(region + 1);
-          const bool edge = edge_row || u == block.x || u + 1 == block.x + block.width;
-          if (at_boundary && edge) frontier_.push_back(v * grid.inverse_depth.cols + u);
-        }
-      }
+void RegionGrower::claim_block(const cv::Rect& block, int region, RegionLabels& result) {
+  for (int v = block.y; v < block.y + block.height; ++v) {
+    auto* label = result.labels.ptr<std::uint8_t>(v);
+    auto* error = errors_.ptr<float>(v);
+    for (int u = block.x; u < block.x + block.width; ++u) {
+      label[u] = error[u] > 0.0F ? static_cast<std::uint8_t>(region + 1) : std::uint8_t{0};
+      error[u] = 0.0F;
     }
   }
 }
 
-void RegionGrower::claim(int u, int v, int region, const BlockGrid& grid, const PlaneTolerance& tolerance,
-                         const BlockClusters& clusters, RegionLabels& result) {
-  const double w = grid.inverse_depth.ptr<float>(v)[u];
-  float& smallest_error = errors_.ptr<float>(v)[u];
-  if (w <= 0.0 || smallest_error == 0.0F) return;
-  const InverseDepthPlane& plane = clusters.regions[static_cast<std::size_t>(region)].plane;
-  const double expected = plane.x() * grid.ray_x[static_cast<std::size_t>(u)] +
-                          plane.y() * grid.ray_y[static_cast<std::size_t>(v)] + plane.z();
-  const auto error = static_cast<float>(std::abs(w - expected) / std::sqrt(tolerance.variance(w, plane)));
-  if (error > limits_[static_cast<std::size_t>(region)] || error >= smallest_error) return;
-  smallest_error = error;
-  result.labels.ptr<std::uint8_t>(v)[u] = static_cast<std::uint8_t>(region + 1);
-  frontier_.push_back(v * grid.inverse_depth.cols + u);
+void RegionGrower::push_edge(const cv::Rect& block, const cv::Mat& labels) {
+  const int right = block.x + block.width - 1;
+  const int bottom = block.y + block.height - 1;
+  for (int v = block.y; v <= bottom; ++v) {
+    const int step = v == block.y || v == bottom ? 1 : std::max(1, block.width - 1);
+    for (int u = block.x; u <= right; u += step) {
+      if (labels.ptr<std::uint8_t>(v)[u] > 0) frontier_.push_back({u, v});
+    }
+  }
+}
+
+void RegionGrower::claim_seeds(const BlockGrid& grid, RegionLabels& result) {
+  const auto seed_of = [&](int block) { return result.seed_of_block[static_cast<std::size_t>(block)]; };
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const int region = seed_of(row * grid.columns + column);
+      if (region < 0) continue;
+      const cv::Rect block = grid.pixels_of(column, row);
+      claim_block(block, region, result);
+      bool has_room = false;
+      for_each_neighbour(grid, column, row, [&](int other) { has_room = has_room || seed_of(other) < 0; });
+      if (has_room) push_edge(block, result.labels);
+    }
+  }
 }
 
 void RegionGrower::grow(const BlockGrid& grid, const BlockClusters& clusters, const PlaneTolerance& tolerance,
@@ -92,24 +114,35 @@ void RegionGrower::grow(const BlockGrid& grid, const BlockClusters& clusters, co
   result.labels.setTo(0);
   errors_.create(size, CV_32FC1);
   errors_.setTo(std::numeric_limits<float>::max());
+  errors_.setTo(0.0F, grid.inverse_depth <= 0.0F);
   result.seed_of_block = erode(grid, clusters);
+  frontier_.clear();
   claim_seeds(grid, result);
-  limits_.clear();
-  for (const PlaneRegion& region : clusters.regions) {
-    constexpr double kLeastError = 0.5;  // sigma; noise-free images must not stop at rounding errors
-    const double error = std::sqrt(region.moments.mean_squared_error(region.plane));
-    limits_.push_back(static_cast<float>(max_error * std::max(kLeastError, error)));
-  }
+
+  const std::vector<GrowingPlane> planes = growing_planes(clusters.regions, tolerance, max_error);
+  const auto claim = [&](int u, int v, const GrowingPlane& plane) {
+    std::uint8_t& label = result.labels.ptr<std::uint8_t>(v)[u];
+    float& smallest_error = errors_.ptr<float>(v)[u];
+    if (label == plane.label || smallest_error == 0.0F) return;
+    const float w = grid.inverse_depth.ptr<float>(v)[u];
+    const auto x = static_cast<float>(grid.ray_x[static_cast<std::size_t>(u)]);
+    const auto y = static_cast<float>(grid.ray_y[static_cast<std::size_t>(v)]);
+    const float difference = w - (plane.x * x + plane.y * y + plane.z);
+    const auto sigma = static_cast<float>(inverse_depth_sigma(w));
+    const float variance = sigma * sigma + plane.lateral_variance;
+    const float error = difference * difference / variance;
+    if (error > plane.max_squared_error || error >= smallest_error) return;
+    label = plane.label;
+    smallest_error = std::max(error, std::numeric_limits<float>::min());
+    frontier_.push_back({u, v});
+  };
   for (std::size_t next = 0; next < frontier_.size(); ++next) {
-    const int u = frontier_[next] % size.width;
-    const int v = frontier_[next] / size.width;
-    const int region = result.labels.ptr<std::uint8_t>(v)[u] - 1;
-    for (const auto& [step_u, step_v] : kNeighbours) {
-      const int x = u + step_u;
-      const int y = v + step_v;
-      if (x < 0 || y < 0 || x >= size.width || y >= size.height) continue;
-      claim(x, y, region, grid, tolerance, clusters, result);
-    }
+    const auto [u, v] = frontier_[next];
+    const GrowingPlane& plane = planes[result.labels.ptr<std::uint8_t>(v)[u] - 1U];
+    if (u > 0) claim(u - 1, v, plane);
+    if (u + 1 < size.width) claim(u + 1, v, plane);
+    if (v > 0) claim(u, v - 1, plane);
+    if (v + 1 < size.height) claim(u, v + 1, plane);
   }
 }
 

@@ -1,12 +1,6 @@
 #include "common/features/plane_tolerance.hpp"
 
-#include "common/geometry/depth_noise.hpp"
-
 namespace eg::features {
-
-double inverse_depth_sigma(double inverse_depth) {
-  return inverse_depth * inverse_depth * geometry::depth_sigma(1.0 / inverse_depth);
-}
 
 PlaneTolerance::PlaneTolerance(const geometry::CameraModel& camera, double lateral_sigma, double max_error,
                                double flatness)

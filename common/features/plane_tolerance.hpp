@@ -3,12 +3,15 @@
 #include "common/features/plane_extraction.hpp"
 #include "common/features/plane_moments.hpp"
 #include "common/geometry/camera_model.hpp"
+#include "common/geometry/depth_noise.hpp"
 
 namespace eg::features {
 
 /// Standard deviation of the inverse depth w, from that of the depth: sigma_w = w² sigma_z(1/w). Nearly constant from 1
 /// to 5 m, because structured light measures disparity.
-double inverse_depth_sigma(double inverse_depth);
+inline double inverse_depth_sigma(double inverse_depth) {
+  return inverse_depth * inverse_depth * geometry::depth_sigma(1.0 / inverse_depth);
+}
 
 /// How far readings may be from a plane that they belong to: the sensor's noise along the ray, its noise sideways,
 /// which matters on steep surfaces, and what walls and the sensor's warp deviate from a plane.
@@ -23,11 +26,12 @@ class PlaneTolerance {
   /// Variance of a single reading of inverse depth on a plane.
   [[nodiscard]] double variance(double inverse_depth, const InverseDepthPlane& plane) const;
 
- private:
+  /// The part of it that the noise sideways makes.
   [[nodiscard]] double lateral_variance(const InverseDepthPlane& plane) const {
     return plane.cwiseProduct(lateral_).squaredNorm();
   }
 
+ private:
   Eigen::Vector3d lateral_;  ///< noise sideways, on the axes of the ray
   double max_squared_error_;
   double squared_flatness_;
