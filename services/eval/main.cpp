@@ -1,0 +1,65 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+
+#include "services/eval/commands.hpp"
+
+namespace {
+
+using eg::service::Report;
+
+/// Prints a result or the reason why there is none; returns the exit code.
+int finish(const eg::base::Result<Report>& report, bool as_json) {
+  if (!report) {
+    std::fprintf(stderr, "egraph-eval: %s\n", report.error().message.c_str());
+    return 1;
+  }
+  std::fputs(as_json ? (report->json.dump(2) + "\n").c_str() : report->table.c_str(), stdout);
+  return 0;
+}
+
+struct Arguments {
+  std::string estimate;
+  std::string reference;
+  std::string camera = "synthetic";
+  std::string trajectory;
+  std::string groundtruth;
+  bool json = false;
+};
+
+CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* what, const char* estimate,
+                      const char* reference) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->add_option(estimate, arguments.estimate, "what was computed")->required();
+  command->add_option(reference, arguments.reference, "what is true")->required();
+  command->add_flag("--json", arguments.json, "print JSON");
+  return command;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Measures results of E-Graph SLAM against ground truth.", "egraph-eval");
+  app.require_subcommand(1);
+  Arguments arguments;
+  const auto* trajectory =
+      add_command(app, arguments, "trajectory", "errors of a camera trajectory (TUM format)", "EST", "GT");
+  auto* graph = add_command(app, arguments, "graph", "rotation error of every edge of the E-Graph", "GRAPH", "GT");
+  graph->add_option("--camera", arguments.camera, "NAME or FILE.yaml: its field of view tells which views overlap")
+      ->capture_default_str();
+  auto* mesh = add_command(app, arguments, "mesh", "accuracy and completeness of a mesh (PLY)", "MESH", "REF");
+  auto* estimate = mesh->add_option("--trajectory", arguments.trajectory, "estimated trajectory, to align the mesh by");
+  auto* truth = mesh->add_option("--groundtruth", arguments.groundtruth, "true trajectory, to align the mesh to");
+  estimate->needs(truth);
+  truth->needs(estimate);
+  CLI11_PARSE(app, argc, argv);
+
+  using namespace eg::service;
+  if (trajectory->parsed()) return finish(report_trajectory(arguments.estimate, arguments.reference), arguments.json);
+  if (graph->parsed()) {
+    return finish(report_graph(arguments.estimate, arguments.reference, arguments.camera), arguments.json);
+  }
+  std::optional<MeshAlignment> alignment;
+  if (*estimate) alignment = MeshAlignment{arguments.trajectory, arguments.groundtruth};
+  return finish(report_mesh(arguments.estimate, arguments.reference, alignment), arguments.json);
+}
