@@ -111,16 +111,16 @@ std::optional<Segment> project_segment(const MapLine& line, const geometry::Came
 
 /// How far the observed segment lies beside the predicted one, in pixels; nothing if they differ in direction or do not
 /// overlap by half of the shorter one.
-std::optional<double> lateral_distance(const LineFeature& observed, const Segment& predicted,
-                                       const MatchOptions& options) {
-  const Eigen::Vector2d along = (predicted.end - predicted.start).normalized();
-  const Eigen::Vector2d observed_along = (observed.end_pixel - observed.start_pixel).normalized();
-  if (std::abs(along.dot(observed_along)) < std::cos(options.max_line_angle)) return std::nullopt;
+std::optional<double> lateral_distance(const LineFeature& observed, const Segment& predicted, double max_lateral,
+                                       double min_cosine) {
+  const double length = (predicted.end - predicted.start).norm();
+  const Eigen::Vector2d along = (predicted.end - predicted.start) / length;
   const Eigen::Vector2d across(-along.y(), along.x());
   const Eigen::Vector2d middle = 0.5 * (observed.start_pixel + observed.end_pixel);
   const double lateral = std::abs(across.dot(middle - predicted.start));
-  if (lateral > options.radius) return std::nullopt;
-  const double length = (predicted.end - predicted.start).norm();
+  if (!(lateral <= max_lateral)) return std::nullopt;
+  const Eigen::Vector2d observed_along = (observed.end_pixel - observed.start_pixel).normalized();
+  if (std::abs(along.dot(observed_along)) < min_cosine) return std::nullopt;
   const double s0 = along.dot(observed.start_pixel - predicted.start);
   const double s1 = along.dot(observed.end_pixel - predicted.start);
   const double overlap = std::min(length, std::max(s0, s1)) - std::max(0.0, std::min(s0, s1));
@@ -172,6 +172,7 @@ std::vector<PointMatch> match_points(const FrameFeatures& frame, const Map& map,
 std::vector<LineMatch> match_lines(const FrameFeatures& frame, const Map& map, std::span<const LineId> candidates,
                                    const Pose& camera_from_world, const MatchOptions& options) {
   const auto by_track = index_by_track(frame.lines);
+  const double min_cosine = std::cos(options.max_line_angle);
   OneToOne<LineId> one_to_one(frame.lines.size());
   for (const LineId id : candidates) {
     const MapLine& line = map.line(id);
@@ -185,7 +186,7 @@ std::vector<LineMatch> match_lines(const FrameFeatures& frame, const Map& map, s
     std::int32_t best = -1;
     double best_score = 1e9;
     for (std::size_t i = 0; i < frame.lines.size(); ++i) {
-      const auto lateral = lateral_distance(frame.lines[i], *predicted, options);
+      const auto lateral = lateral_distance(frame.lines[i], *predicted, options.radius, min_cosine);
       if (!lateral) continue;
       const int distance = hamming_distance(frame.lines[i].descriptor, line.descriptor);
       if (distance > options.max_line_descriptor_distance) continue;

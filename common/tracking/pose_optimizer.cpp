@@ -115,8 +115,7 @@ geometry::Pose descend(const PoseProblem& problem, geometry::Pose pose, FreePara
 
 void classify(const PoseProblem& problem, const geometry::Pose& pose, PoseSolution& solution) {
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
-    const PointResidual at = point_residual(problem.points[i], problem.camera, pose);
-    solution.point_inliers[i] = at.in_front && at.pixel.squaredNorm() < kChi2Two;
+    solution.point_inliers[i] = reprojection_chi2(problem.points[i], problem.camera, pose) < kChi2Two;
   }
   for (std::size_t i = 0; i < problem.lines.size(); ++i) {
     const LineResidual at = line_residual(problem.lines[i], problem.camera, pose);

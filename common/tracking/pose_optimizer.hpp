@@ -101,6 +101,9 @@ struct PointResidual {
 PointResidual point_residual(const PointFactor& factor, const geometry::CameraModel& camera,
                              const geometry::Pose& pose);
 
+/// The squared reprojection error in units of its variance; infinite behind the camera.
+double reprojection_chi2(const PointFactor& factor, const geometry::CameraModel& camera, const geometry::Pose& pose);
+
 struct LineResidual {
   Eigen::Vector2d distances;
   Eigen::Matrix<double, 2, 6> jacobian;

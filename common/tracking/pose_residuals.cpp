@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <limits>
 
 #include "common/geometry/so3.hpp"
 #include "common/tracking/pose_optimizer.hpp"
@@ -47,6 +48,12 @@ PointResidual point_residual(const PointFactor& factor, const geometry::CameraMo
     at.depth_jacobian = jacobian.row(2) / factor.depth_sigma;
   }
   return at;
+}
+
+double reprojection_chi2(const PointFactor& factor, const geometry::CameraModel& camera, const geometry::Pose& pose) {
+  const Eigen::Vector3d point = pose * factor.point_in_world;
+  if (point.z() <= kMinDepth) return std::numeric_limits<double>::infinity();
+  return (camera.project(point) - factor.pixel).squaredNorm() / (factor.pixel_sigma * factor.pixel_sigma);
 }
 
 LineResidual line_residual(const LineFactor& factor, const geometry::CameraModel& camera, const geometry::Pose& pose) {

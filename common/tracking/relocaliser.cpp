@@ -30,8 +30,7 @@ int count_inliers(std::span<const PointFactor> factors, const geometry::CameraMo
                   double inlier_chi2) {
   int inliers = 0;
   for (const PointFactor& factor : factors) {
-    const PointResidual at = point_residual(factor, camera, pose);
-    if (at.in_front && at.pixel.squaredNorm() < inlier_chi2) ++inliers;
+    if (reprojection_chi2(factor, camera, pose) < inlier_chi2) ++inliers;
   }
   return inliers;
 }

@@ -61,8 +61,7 @@ std::optional<TranslationEstimate> estimate_translation(std::span<const PointFac
     TranslationEstimate candidate{*translation, std::vector<bool>(factors.size(), false), 0};
     const geometry::Pose pose{camera_from_world_rotation, *translation};
     for (std::size_t i = 0; i < factors.size(); ++i) {
-      const PointResidual at = point_residual(factors[i], camera, pose);
-      candidate.inliers[i] = at.in_front && at.pixel.squaredNorm() < options.inlier_chi2;
+      candidate.inliers[i] = reprojection_chi2(factors[i], camera, pose) < options.inlier_chi2;
       candidate.inlier_count += candidate.inliers[i] ? 1 : 0;
     }
     if (candidate.inlier_count > best.inlier_count) best = candidate;
