@@ -30,4 +30,16 @@ struct MeshAlignment {
 base::Result<Report> report_mesh(const std::filesystem::path& mesh, const std::filesystem::path& reference,
                                  const std::optional<MeshAlignment>& alignment);
 
+/// What a picture is made of; empty paths are left out.
+struct PictureFiles {
+  std::filesystem::path mesh;
+  std::filesystem::path trajectory;
+  std::filesystem::path groundtruth;
+  std::filesystem::path graph;  ///< for its keyframes
+};
+
+/// Draws mesh, trajectories and keyframes into a PNG file. `y_up`: the camera that made them has a negative fy. The
+/// report says what was written.
+base::Result<Report> render_picture(const PictureFiles& files, bool y_up, const std::filesystem::path& out);
+
 }  // namespace eg::service

@@ -25,6 +25,9 @@ struct Arguments {
   std::string trajectory;
   std::string groundtruth;
   bool json = false;
+  eg::service::PictureFiles picture;
+  std::string out;
+  bool y_up = false;
 };
 
 CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* what, const char* estimate,
@@ -36,10 +39,22 @@ CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, con
   return command;
 }
 
+CLI::App* add_render_command(CLI::App& app, Arguments& arguments) {
+  CLI::App* command = app.add_subcommand("render", "draw mesh, trajectories and keyframes into a PNG file");
+  command->add_option("--mesh", arguments.picture.mesh, "mesh.ply");
+  command->add_option("--trajectory", arguments.picture.trajectory, "estimated trajectory (TUM format)");
+  command->add_option("--groundtruth", arguments.picture.groundtruth, "true trajectory, aligned to the estimate");
+  command->add_option("--graph", arguments.picture.graph, "egraph.json, for the keyframes");
+  command->add_option("--out", arguments.out, "PNG file to write")->required();
+  command->add_flag("--y-up", arguments.y_up, "the camera has a negative fy (ICL-NUIM): its y axis points up");
+  command->add_flag("--json", arguments.json, "print JSON");
+  return command;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Measures results of E-Graph SLAM against ground truth.", "egraph-eval");
+  CLI::App app("Measures results of E-Graph SLAM against ground truth and draws them.", "egraph-eval");
   app.require_subcommand(1);
   Arguments arguments;
   const auto* trajectory =
@@ -52,12 +67,16 @@ int main(int argc, char** argv) {
   auto* truth = mesh->add_option("--groundtruth", arguments.groundtruth, "true trajectory, to align the mesh to");
   estimate->needs(truth);
   truth->needs(estimate);
+  const auto* render = add_render_command(app, arguments);
   CLI11_PARSE(app, argc, argv);
 
   using namespace eg::service;
   if (trajectory->parsed()) return finish(report_trajectory(arguments.estimate, arguments.reference), arguments.json);
   if (graph->parsed()) {
     return finish(report_graph(arguments.estimate, arguments.reference, arguments.camera), arguments.json);
+  }
+  if (render->parsed()) {
+    return finish(render_picture(arguments.picture, arguments.y_up, arguments.out), arguments.json);
   }
   std::optional<MeshAlignment> alignment;
   if (*estimate) alignment = MeshAlignment{arguments.trajectory, arguments.groundtruth};

@@ -1,0 +1,62 @@
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "common/eval/render.hpp"
+#include "common/io/atomic_file.hpp"
+#include "common/io/graph_json.hpp"
+#include "common/io/ply.hpp"
+#include "common/io/trajectory_file.hpp"
+#include "services/eval/commands.hpp"
+
+namespace eg::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// `read` of the file, or nothing if there is no file.
+template <typename T>
+base::Result<T> read_if_given(const fs::path& file, base::Result<T> (*read)(const fs::path&)) {
+  return file.empty() ? T{} : read(file);
+}
+
+using Trajectory = std::vector<geometry::StampedPose>;
+base::Result<Trajectory> read_poses(const fs::path& file) { return io::read_trajectory(file); }
+
+std::vector<geometry::Pose> keyframe_poses(const egraph::GraphSnapshot& graph) {
+  std::vector<geometry::Pose> poses;
+  for (const egraph::KeyframeNode& keyframe : graph.keyframes) poses.push_back(keyframe.world_from_camera);
+  return poses;
+}
+
+base::Status write_png(const fs::path& path, const cv::Mat& image) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", image, bytes);
+  return io::write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace
+
+base::Result<Report> render_picture(const PictureFiles& files, bool y_up, const fs::path& out) {
+  if (files.mesh.empty() && files.trajectory.empty()) return base::fail("render needs --mesh or --trajectory");
+  const auto mesh = read_if_given<io::PlyData>(files.mesh, io::read_ply);
+  if (!mesh) return tl::make_unexpected(mesh.error());
+  const auto estimate = read_if_given<Trajectory>(files.trajectory, read_poses);
+  if (!estimate) return tl::make_unexpected(estimate.error());
+  const auto reference = read_if_given<Trajectory>(files.groundtruth, read_poses);
+  if (!reference) return tl::make_unexpected(reference.error());
+  const auto graph = read_if_given<egraph::GraphSnapshot>(files.graph, io::read_graph);
+  if (!graph) return tl::make_unexpected(graph.error());
+
+  const std::vector<geometry::Pose> keyframes = keyframe_poses(*graph);
+  const eval::Overview overview{
+      {{mesh->vertices, mesh->triangles}, mesh->normals, mesh->colours}, *estimate, *reference, keyframes};
+  const cv::Mat image = eval::render_overview(overview, eval::render_options_for(y_up));
+  if (const auto status = write_png(out, image); !status) return tl::make_unexpected(status.error());
+  const std::string size = std::to_string(image.cols) + "x" + std::to_string(image.rows);
+  return Report{out.string() + ": " + size + " picture of " + std::to_string(mesh->triangles.size()) + " triangles, " +
+                    std::to_string(estimate->size()) + " poses and " + std::to_string(keyframes.size()) +
+                    " keyframes\n",
+                {{"picture", out.string()}, {"width", image.cols}, {"height", image.rows}}};
+}
+
+}  // namespace eg::service
