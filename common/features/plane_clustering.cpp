@@ -130,7 +130,7 @@ BlockClusters cluster_blocks(const BlockGrid& grid, const PlaneTolerance& tolera
   std::vector<int> region_of_root(clusters.region_of_block);
   for (const int root : largest_roots(grid, sets, min_pixels, max_regions)) {
     region_of_root[static_cast<std::size_t>(root)] = static_cast<int>(clusters.regions.size());
-    clusters.regions.push_back({sets.moments(root), fit_plane(sets.moments(root)).plane});
+    clusters.regions.push_back({sets.moments(root), fit_plane(sets.moments(root)).plane, sets.moments(root).pixels});
   }
   for (int block = 0; block < grid.block_count(); ++block) {
     const auto index = static_cast<std::size_t>(block);

@@ -10,8 +10,15 @@ namespace eg::features {
 
 /// A set of pixels on one plane.
 struct PlaneRegion {
-  PlaneMoments moments;
+  PlaneMoments moments;  ///< of the pixels that its plane is fitted to
   InverseDepthPlane plane = InverseDepthPlane::Zero();
+  double support = 0;  ///< number of pixels that belong to it
+
+  void join(const PlaneRegion& other) {
+    moments += other.moments;
+    support += other.support;
+    plane = fit_plane(moments).plane;
+  }
 };
 
 /// Regions, and to which of them each block belongs.

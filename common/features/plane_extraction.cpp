@@ -49,8 +49,8 @@ PlaneFeature make_feature(const PlaneRegion& region, const PlaneScatter& scatter
                           const PlaneOptions& options) {
   PlaneFeature feature;
   feature.plane = hessian_form(region.plane);
-  feature.support = static_cast<std::int32_t>(std::lround(region.moments.pixels));
-  const Eigen::Vector3d mean = scatter.point_sum / region.moments.pixels;
+  feature.support = static_cast<std::int32_t>(std::lround(region.support));
+  const Eigen::Vector3d mean = scatter.point_sum / region.support;
   feature.centroid = mean - feature.plane.signed_distance(mean) * feature.plane.normal;
   feature.covariance =
       hessian_covariance(feature.plane, plane_covariance(region, scatter)) +
@@ -62,7 +62,7 @@ PlaneFeature make_feature(const PlaneRegion& region, const PlaneScatter& scatter
 std::vector<int> rank(std::vector<PlaneRegion>& regions, double min_pixels) {
   std::vector<int> order(regions.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto pixels = [&](int i) { return regions[static_cast<std::size_t>(i)].moments.pixels; };
+  const auto pixels = [&](int i) { return regions[static_cast<std::size_t>(i)].support; };
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return pixels(i) > pixels(j); });
   std::vector<int> place(regions.size(), -1);
   std::vector<PlaneRegion> ranked;
@@ -76,9 +76,7 @@ std::vector<int> rank(std::vector<PlaneRegion>& regions, double min_pixels) {
 }
 
 void relabel(const std::vector<int>& new_region, std::vector<RegionPatch>& patches, cv::Mat& labels) {
-  for (RegionPatch& patch : patches) {
-    if (patch.region >= 0) patch.region = new_region[static_cast<std::size_t>(patch.region)];
-  }
+  for (RegionPatch& patch : patches) patch.region = new_region[static_cast<std::size_t>(patch.region)];
   cv::Mat table = cv::Mat::zeros(1, 256, CV_8UC1);
   for (std::size_t i = 0; i < new_region.size(); ++i) {
     table.at<std::uint8_t>(static_cast<int>(i) + 1) = static_cast<std::uint8_t>(new_region[i] + 1);
@@ -148,8 +146,9 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
 
   collect_patches(grid, labels, patches);
   std::vector<PlaneRegion> regions = refit_regions(patches, static_cast<int>(clusters.regions.size()));
-  relabel(merge_coplanar(regions, coplanar_tolerance), patches, labels.labels);
-  relabel(rank(regions, min_support), patches, labels.labels);
+  std::vector<int> place = merge_coplanar(regions, coplanar_tolerance);
+  renumber(rank(regions, min_support), place);
+  relabel(place, patches, labels.labels);
 
   PlaneExtraction result;
   const std::vector<PlaneScatter> scatters = scatter_of_regions(patches, regions);

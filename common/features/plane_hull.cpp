@@ -15,18 +15,18 @@ std::vector<std::vector<cv::Point>> row_ends(const cv::Mat& labels, std::size_t 
   std::vector<std::vector<cv::Point>> ends(count);
   for (int v = 0; v < labels.rows; ++v) {
     const auto* label = labels.ptr<std::uint8_t>(v);
-    for (int u = 0; u < labels.cols; ++u) {
-      if (label[u] == 0 || (u > 0 && u + 1 < labels.cols && label[u - 1] == label[u] && label[u + 1] == label[u])) {
-        continue;
+    for (int begin = 0; begin < labels.cols;) {
+      int end = begin + 1;
+      while (end < labels.cols && label[end] == label[begin]) ++end;
+      if (label[begin] > 0) {
+        auto& points = ends[label[begin] - 1U];
+        if (points.empty() || points.back().y != v) {
+          points.emplace_back(begin, v);
+          points.emplace_back(begin, v);
+        }
+        points.back().x = end - 1;
       }
-      auto& points = ends[label[u] - 1U];
-      // The last two entries of a label are this row's ends so far.
-      const std::size_t size = points.size();
-      if (size >= 2 && points[size - 1].y == v && points[size - 2].y == v) {
-        points[size - 1].x = u;
-      } else {
-        points.emplace_back(u, v);
-      }
+      begin = end;
     }
   }
   return ends;

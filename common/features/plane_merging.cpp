@@ -84,20 +84,19 @@ std::vector<int> merge_coplanar(std::vector<PlaneRegion>& regions, const PlaneTo
     const PlaneRegion& region = regions[static_cast<std::size_t>(i)];
     // Of all larger planes, the one that the union fits best.
     int best = -1;
-    PlaneFit best_fit;
+    double best_error = 0;
     for (std::size_t j = 0; j < merged.size(); ++j) {
       const auto fit = fit_union(merged[j].moments, region.moments, tolerance);
-      if (fit && (best < 0 || fit->mean_squared_error < best_fit.mean_squared_error)) {
+      if (fit && (best < 0 || fit->mean_squared_error < best_error)) {
         best = static_cast<int>(j);
-        best_fit = *fit;
+        best_error = fit->mean_squared_error;
       }
     }
     if (best < 0) {
       best = static_cast<int>(merged.size());
       merged.push_back(region);
     } else {
-      merged[static_cast<std::size_t>(best)].moments += region.moments;
-      merged[static_cast<std::size_t>(best)].plane = best_fit.plane;
+      merged[static_cast<std::size_t>(best)].join(region);
     }
     new_index[static_cast<std::size_t>(i)] = best;
   }
@@ -112,9 +111,7 @@ void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, do
   for (;;) {
     const auto [kept, removed] = best_pair(contacts, regions, tolerance, max_step);
     if (kept < 0) return;
-    PlaneRegion& region = regions[static_cast<std::size_t>(kept)];
-    region.moments += regions[static_cast<std::size_t>(removed)].moments;
-    region.plane = fit_plane(region.moments).plane;
+    regions[static_cast<std::size_t>(kept)].join(regions[static_cast<std::size_t>(removed)]);
     // Closes the gap in the numbering.
     regions.erase(regions.begin() + removed);
     std::vector<int> new_index(regions.size() + 1);

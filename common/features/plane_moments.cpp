@@ -53,6 +53,8 @@ PlaneFit fit_plane(const PlaneMoments& moments) {
   const double aw = moments.aw - mean_a * moments.w;
   const double bw = moments.bw - mean_b * moments.w;
   const double ww = moments.ww - mean_w * moments.w;
+  constexpr double kSmallestSpread = 1e-9;  // variance over squared mean: below it is what rounding leaves of zero
+  if (aa <= kSmallestSpread * moments.aa || bb <= kSmallestSpread * moments.bb) return fit;
   constexpr double kSmallestDeterminant = 1e-6;  // of the correlation matrix of a and b
   const double determinant = aa * bb - ab * ab;
   if (!(determinant > kSmallestDeterminant * aa * bb)) return fit;

@@ -21,7 +21,10 @@ class BlockSplitter {
         if (label[u] > 0) patch_of(label[u] - 1, patches).moments.add(ray_x(u), ray_y(v), w[u]);
       }
     }
-    for (std::size_t i = 0; i < used_; ++i) weight_by_noise(patches[patches.size() - used_ + i].moments);
+    for (std::size_t i = patches.size() - used_; i < patches.size(); ++i) {
+      weight_by_noise(patches[i].moments);
+      patches[i].contested = used_ > 1;
+    }
     used_ = 0;
   }
 
@@ -35,7 +38,7 @@ class BlockSplitter {
       if (patches[i].region == region) return patches[i];
     }
     ++used_;
-    return patches.emplace_back(RegionPatch{region, {}});
+    return patches.emplace_back(RegionPatch{region, {}, false});
   }
 
   const BlockGrid& grid_;
@@ -51,7 +54,7 @@ void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vec
     for (int column = 0; column < grid.columns; ++column) {
       const auto block = static_cast<std::size_t>(row * grid.columns + column);
       if (labels.seed_of_block[block] >= 0) {
-        patches.push_back({labels.seed_of_block[block], grid.moments[block]});
+        patches.push_back({labels.seed_of_block[block], grid.moments[block], false});
       } else {
         splitter.split(grid.pixels_of(column, row), labels.labels, patches);
       }
@@ -61,8 +64,16 @@ void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vec
 
 std::vector<PlaneRegion> refit_regions(const std::vector<RegionPatch>& patches, int count) {
   std::vector<PlaneRegion> regions(static_cast<std::size_t>(count));
-  for (const RegionPatch& patch : patches) regions[static_cast<std::size_t>(patch.region)].moments += patch.moments;
-  for (PlaneRegion& region : regions) region.plane = fit_plane(region.moments).plane;
+  std::vector<PlaneMoments> contested(regions.size());
+  for (const RegionPatch& patch : patches) {
+    const auto i = static_cast<std::size_t>(patch.region);
+    (patch.contested ? contested[i] : regions[i].moments) += patch.moments;
+    regions[i].support += patch.moments.pixels;
+  }
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    if (!fit_plane(regions[i].moments).valid) regions[i].moments += contested[i];
+    regions[i].plane = fit_plane(regions[i].moments).plane;
+  }
   return regions;
 }
 
@@ -73,10 +84,11 @@ std::vector<PlaneScatter> scatter_of_regions(const std::vector<RegionPatch>& pat
     if (patch.region < 0) continue;
     PlaneScatter& scatter = scatters[static_cast<std::size_t>(patch.region)];
     const PlaneMoments& m = patch.moments;
+    scatter.point_sum += m.pixels * Eigen::Vector3d(m.a, m.b, m.weight) / m.w;
+    if (patch.contested) continue;
     const Eigen::Vector3d score = m.score(regions[static_cast<std::size_t>(patch.region)].plane);
     scatter.clusters += 1;
     scatter.scores += score * score.transpose();
-    scatter.point_sum += m.pixels * Eigen::Vector3d(m.a, m.b, m.weight) / m.w;
   }
   return scatters;
 }

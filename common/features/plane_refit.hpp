@@ -10,14 +10,17 @@ namespace eg::features {
 /// The part of a region that lies in one block.
 struct RegionPatch {
   int region = 0;
-  PlaneMoments moments;  ///< weighted by the sensor's noise
+  PlaneMoments moments;    ///< weighted by the sensor's noise
+  bool contested = false;  ///< other regions are in the block, too
 };
 
 /// Every region's patches, block by block. Whole blocks reuse the block's moments; only blocks with a boundary are read
 /// again.
 void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vector<RegionPatch>& patches);
 
-/// Regions 0 to `count` - 1 with the planes that fit all of their pixels.
+/// Regions 0 to `count` - 1 with the planes that fit their pixels. Contested blocks count as support but are left out
+/// of the fit: at a crease a pixel goes to the plane that its noise takes it to, and such a choice would bias the
+/// planes.
 std::vector<PlaneRegion> refit_regions(const std::vector<RegionPatch>& patches, int count);
 
 /// Sums that the covariance of one region's plane is made of.

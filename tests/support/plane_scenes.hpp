@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 #include <opencv2/core/mat.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
 #include "common/base/random.hpp"
@@ -63,35 +65,36 @@ inline geometry::Plane plane_through(const Eigen::Vector3d& point, const Eigen::
   return {n, -n.dot(point)};
 }
 
+/// A reading at depth z whose disparity, and so inverse depth, is off by `error` standard deviations of the sensor.
+inline double noisy_depth(double z, double error) {
+  return 1.0 / (1.0 / z + error * geometry::depth_sigma(z) / (z * z));
+}
+
 /// Adds the sensor's noise, independent from pixel to pixel.
-inline void add_noise(cv::Mat& depth, base::Random& random) {
+inline void add_white_noise(cv::Mat& depth, base::Random& random) {
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       float& z = depth.at<float>(v, u);
-      if (z > 0) z += static_cast<float>(geometry::depth_sigma(z) * random.normal());
+      if (z > 0) z = static_cast<float>(noisy_depth(z, random.normal()));
     }
   }
 }
 
-/// Adds the sensor's noise as structured light makes it: the disparity of a small window, so that neighbours share it
-/// (box blur over `window` pixels, scaled back to the full standard deviation), then rounds to 1/8 pixel of disparity.
+/// Adds the sensor's noise as structured light makes it: found by matching a window of `window` (odd) pixels, so that
+/// neighbours share it, and rounded to 1/8 pixel of disparity.
 inline void add_correlated_noise(cv::Mat& depth, base::Random& random, int window) {
-  constexpr double kFocalTimesBaseline = 43.5;  // pixel metres, of the first Kinect
-  const int half = window / 2;
-  cv::Mat white(depth.rows + window, depth.cols + window, CV_64FC1);
-  for (int v = 0; v < white.rows; ++v) {
-    for (int u = 0; u < white.cols; ++u) white.at<double>(v, u) = random.normal() / window;
+  constexpr double kStepsPerInverseMetre = 8 * 43.5;  // focal length times baseline of the first Kinect, pixel metres
+  cv::Mat noise(depth.rows, depth.cols, CV_64FC1);
+  for (int v = 0; v < noise.rows; ++v) {
+    for (int u = 0; u < noise.cols; ++u) noise.at<double>(v, u) = random.normal() * window;
   }
+  cv::blur(noise, noise, {window, window}, {-1, -1}, cv::BORDER_REFLECT_101);
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       float& z = depth.at<float>(v, u);
       if (z <= 0) continue;
-      double noise = 0;
-      for (int y = 0; y < 2 * half + 1; ++y) {
-        for (int x = 0; x < 2 * half + 1; ++x) noise += white.at<double>(v + y, u + x);
-      }
-      const double noisy = z + geometry::depth_sigma(z) * noise;
-      z = static_cast<float>(kFocalTimesBaseline / (std::round(8 * kFocalTimesBaseline / noisy) / 8));
+      const double disparity = kStepsPerInverseMetre / noisy_depth(z, noise.at<double>(v, u));
+      z = static_cast<float>(kStepsPerInverseMetre / std::round(disparity));
     }
   }
 }
