@@ -3,7 +3,6 @@
 #include <chrono>
 #include <string>
 
-#include "common/io/atomic_file.hpp"
 #include "common/io/graph_json.hpp"
 #include "common/messages/channels.hpp"
 
@@ -55,8 +54,7 @@ base::Status EGraphServerService::save() {
   if (context_.options().out.empty()) return {};
   for (const auto& [session, builder] : sessions_) {
     const std::string name = sessions_.size() == 1 ? "egraph.json" : "egraph-" + std::to_string(session) + ".json";
-    const auto written = io::write_file_atomically(context_.options().out / name,
-                                                   io::write_graph_json(builder.graph().snapshot(session)));
+    const auto written = io::write_graph(context_.options().out / name, builder.graph().snapshot(session));
     if (!written) return written;
   }
   return {};

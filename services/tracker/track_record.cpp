@@ -15,39 +15,60 @@ double seconds(std::int64_t utime) { return static_cast<double>(utime) * 1e-6; }
 
 /// A text as one field of a CSV file (RFC 4180).
 std::string quoted(const std::string& text) {
-  std::string field = "\"";
-  for (const char c : text) field += c == '"' ? "\"\"" : std::string(1, c);
-  return field + "\"";
+  std::string field(1, '"');
+  for (const char c : text) {
+    if (c == '"') field.push_back(c);
+    field.push_back(c);
+  }
+  field.push_back('"');
+  return field;
 }
+
+std::string join(const std::vector<std::string>& fields) {
+  std::string row;
+  for (const std::string& field : fields) {
+    if (&field != &fields.front()) row.push_back(',');
+    row.append(field);
+  }
+  row.push_back('\n');
+  return row;
+}
+
+std::string id_field(tracking::KeyframeId id) { return id.valid() ? std::to_string(id.value) : std::string(); }
 
 std::string state_row(const tracking::PoseEstimate& estimate) {
-  const auto id = [](tracking::KeyframeId keyframe) {
-    return keyframe.valid() ? std::to_string(keyframe.value) : std::string();
-  };
-  return std::to_string(estimate.header.sequence) + "," + io::format_fixed(seconds(estimate.header.utime), 6) + "," +
-         tracking::to_string(estimate.state) + "," + quoted(estimate.reason) + "," + id(estimate.keyframe) + "," +
-         id(estimate.rotation_reference) + "," + std::to_string(estimate.matched_points) + "," +
-         std::to_string(estimate.matched_lines) + "," + std::to_string(estimate.matched_planes) + "," +
-         std::to_string(estimate.matched_directions) + "\n";
+  return join({std::to_string(estimate.header.sequence), io::format_fixed(seconds(estimate.header.utime), 6),
+               tracking::to_string(estimate.state), quoted(estimate.reason), id_field(estimate.keyframe),
+               id_field(estimate.rotation_reference), std::to_string(estimate.matched_points),
+               std::to_string(estimate.matched_lines), std::to_string(estimate.matched_planes),
+               std::to_string(estimate.matched_directions)});
 }
 
-std::vector<io::ColouredPoint> living_points(const tracking::Map& map) {
+std::string skipped_row(std::int64_t utime) {
+  return join({"", io::format_fixed(seconds(utime), 6), "skipped", quoted("image could not be read"), "", "", "0", "0",
+               "0", "0"});
+}
+
+/// Points as vertices, lines as edges between two of them: what was seen from two keyframes or more.
+io::PlyData sparse_map(const tracking::Map& map) {
   constexpr mapping::Colour kPointColour = {230, 230, 230};
   constexpr mapping::Colour kLineColour = {80, 160, 255};
-  constexpr double kLineSpacing = 0.02;  // metres between the points that draw a segment
-  std::vector<io::ColouredPoint> cloud;
+  io::PlyData ply;
+  const auto add = [&ply](const Eigen::Vector3d& position, const mapping::Colour& colour) {
+    ply.vertices.push_back(position.cast<float>());
+    ply.colours.push_back(colour);
+  };
   for (const tracking::MapPoint& point : map.points()) {
-    if (point.alive && point.observations > 1) cloud.push_back({point.position.cast<float>(), kPointColour});
+    if (point.alive && point.observations > 1) add(point.position, kPointColour);
   }
   for (const tracking::MapLine& line : map.lines()) {
     if (!line.alive || line.observations < 2) continue;
-    const int steps = std::max(1, static_cast<int>((line.end - line.start).norm() / kLineSpacing));
-    for (int i = 0; i <= steps; ++i) {
-      const Eigen::Vector3d point = line.start + (line.end - line.start) * i / steps;
-      cloud.push_back({point.cast<float>(), kLineColour});
-    }
+    const auto first = static_cast<std::uint32_t>(ply.vertices.size());
+    add(line.start, kLineColour);
+    add(line.end, kLineColour);
+    ply.edges.push_back({first, first + 1});
   }
-  return cloud;
+  return ply;
 }
 
 std::vector<geometry::StampedPose> keyframe_poses(const tracking::Map& map) {
@@ -75,7 +96,7 @@ base::Status TrackRecord::save(const std::filesystem::path& folder, const tracki
   if (const auto written = save_states(folder / "states.csv"); !written) return written;
   if (const auto written = io::write_trajectory(folder / "keyframes.txt", keyframe_poses(map)); !written)
     return written;
-  return io::write_point_cloud(folder / "map.ply", living_points(map));
+  return io::write_ply(folder / "map.ply", io::view_of(sparse_map(map)));
 }
 
 base::Status TrackRecord::save_trajectory(const std::filesystem::path& path, const tracking::Map& map) const {
@@ -92,8 +113,7 @@ base::Status TrackRecord::save_states(const std::filesystem::path& path) const {
   std::vector<std::pair<std::int64_t, std::string>> rows;
   for (const Row& row : rows_) rows.emplace_back(row.estimate.header.utime, state_row(row.estimate));
   for (const std::int64_t utime : skipped_utimes_) {
-    rows.emplace_back(utime,
-                      "," + io::format_fixed(seconds(utime), 6) + ",skipped,\"image could not be read\",,,0,0,0,0\n");
+    rows.emplace_back(utime, skipped_row(utime));
   }
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::string text = "sequence,time_s,state,reason,keyframe,rotation_reference,points,lines,planes,directions\n";
