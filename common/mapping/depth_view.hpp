@@ -25,22 +25,28 @@ class DepthView {
   /// 1 / depth at a position between pixels; 0 where there is none. Bilinear in the inverse depth, which is exact on
   /// planes; beside a depth edge or a missing reading, where a mean would be no surface, the nearest pixel's.
   [[nodiscard]] float inverse_depth_at(float u, float v) const {
-    // Written so that NaN fails too.
-    if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(width_ - 1) && v < static_cast<float>(height_ - 1)))
-      return 0.0F;
+    const auto right = static_cast<float>(width_ - 1);
+    const auto bottom = static_cast<float>(height_ - 1);
+    if (!(u >= 0.0F && v >= 0.0F && u < right && v < bottom)) return 0.0F;  // so written that NaN is outside
     const int x = static_cast<int>(u);
     const int y = static_cast<int>(v);
-    const float* top = &inverse_depth_[index(x, y)];
-    const float* bottom = top + width_;
+    const float* above = &inverse_depth_[index(x, y)];
+    const float* below = above + width_;
     const float du = u - static_cast<float>(x);
     const float dv = v - static_cast<float>(y);
-    const float low = std::min(std::min(top[0], top[1]), std::min(bottom[0], bottom[1]));
-    const float high = std::max(std::max(top[0], top[1]), std::max(bottom[0], bottom[1]));
-    // 1 / low - 1 / high is the range of depths.
-    if (high - low > continuity_ * high * low) return (dv < 0.5F ? top : bottom)[du < 0.5F ? 0 : 1];
-    const float upper = top[0] + du * (top[1] - top[0]);
-    const float lower = bottom[0] + du * (bottom[1] - bottom[0]);
+    const float low = std::min(std::min(above[0], above[1]), std::min(below[0], below[1]));
+    const float high = std::max(std::max(above[0], above[1]), std::max(below[0], below[1]));
+    if (is_depth_edge(low, high)) return (dv < 0.5F ? above : below)[du < 0.5F ? 0 : 1];
+    const float upper = above[0] + du * (above[1] - above[0]);
+    const float lower = below[0] + du * (below[1] - below[0]);
     return upper + dv * (lower - upper);
+  }
+
+  /// Distance from the surface seen at a position per difference of depth: the cosine of the angle between the
+  /// surface's normal and the optical axis, over that of the pixel's ray. One value per block of pixels; 1 at depth
+  /// edges.
+  [[nodiscard]] float obliqueness_at(float u, float v) const {
+    return obliqueness_[block(static_cast<int>(u) / kBlock, static_cast<int>(v) / kBlock)];
   }
 
   /// Colour of the pixel nearest to a position inside the image.
@@ -51,14 +57,31 @@ class DepthView {
   }
 
  private:
+  static constexpr int kBlock = 4;  ///< side of the blocks of obliqueness, pixels
+
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
 
+  /// Whether depths from 1 / high to 1 / low are too far apart for one surface. Always if `low` is 0: no reading.
+  [[nodiscard]] bool is_depth_edge(float low, float high) const { return high - low > continuity_ * high * low; }
+
+  [[nodiscard]] std::size_t block(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_x_) + static_cast<std::size_t>(x);
+  }
+
+  /// Mean inverse depth of each block that lies on one surface, else NaN.
+  [[nodiscard]] std::vector<float> block_means() const;
+  void compute_obliqueness(const geometry::CameraModel& camera);
+  void fill_gaps_in_obliqueness();
+
   int width_;
   int height_;
+  int blocks_x_;
+  int blocks_y_;
   float continuity_;  ///< metres: neighbouring readings that differ by more lie on different surfaces
   std::vector<float> inverse_depth_;
+  std::vector<float> obliqueness_;
   cv::Mat colour_;
 };
 

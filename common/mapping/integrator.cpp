@@ -18,6 +18,9 @@ struct Measurement {
   Colour colour{};
 };
 
+// std::lrint would be a call into the C library for every voxel.
+std::int32_t round_to_int(float x) { return static_cast<std::int32_t>(x < 0.0F ? x - 0.5F : x + 0.5F); }
+
 /// Looks voxels up in one frame.
 class VoxelObserver {
  public:
@@ -31,6 +34,7 @@ class VoxelObserver {
         cy_(static_cast<float>(frame.camera.cy)),
         camera_from_world_(world_from_camera.inverse()),
         voxel_size_(static_cast<float>(options.voxel_size)),
+        widest_band_(static_cast<float>(band_half_width(options, options.max_depth))),
         steps_per_metre_(1.0F / units_.metres_per_step()) {}
 
   [[nodiscard]] const DepthView& view() const { return view_; }
@@ -45,7 +49,7 @@ class VoxelObserver {
     return (options_.voxel_size * camera_from_world_.rotation.col(axis)).cast<float>();
   }
 
-  /// Projective distance: along the optical axis from the voxel to the surface that its pixel shows.
+  /// Projective distance, made perpendicular: the voxel's distance from the plane of the surface that its pixel shows.
   [[nodiscard]] Measurement measure(const Eigen::Vector3f& point_in_camera) const {
     if (!(point_in_camera.z() > 0.0F)) return {};
     const float inverse_z = 1.0F / point_in_camera.z();
@@ -54,12 +58,12 @@ class VoxelObserver {
     const float inverse_depth = view_.inverse_depth_at(u, v);
     if (inverse_depth == 0.0F) return {};
     const float depth = 1.0F / inverse_depth;
-    const float distance = depth - point_in_camera.z();
+    const float distance = (depth - point_in_camera.z()) * view_.obliqueness_at(u, v);
+    if (std::abs(distance) > widest_band_) return {};
     const auto band = static_cast<float>(band_half_width(options_, depth));
     if (std::abs(distance) > band) return {};
     const float weight = units_.weight(depth) * certainty(distance, band);
-    return {std::max(1, static_cast<std::int32_t>(std::lrint(weight))),
-            static_cast<std::int32_t>(std::lrint(distance * steps_per_metre_)), view_.colour_at(u, v)};
+    return {std::max(1, round_to_int(weight)), round_to_int(distance * steps_per_metre_), view_.colour_at(u, v)};
   }
 
  private:
@@ -74,6 +78,7 @@ class VoxelObserver {
   float fx_, fy_, cx_, cy_;
   geometry::Pose camera_from_world_;
   float voxel_size_;
+  float widest_band_;
   float steps_per_metre_;
 };
 

@@ -45,6 +45,7 @@ class LeafList {
     keys_.push_back(key);
   }
 
+  [[nodiscard]] bool empty() const { return keys_.empty(); }
   [[nodiscard]] const std::vector<std::uint64_t>& keys() const { return keys_; }
 
  private:
@@ -52,10 +53,19 @@ class LeafList {
   std::vector<std::uint64_t> keys_;
 };
 
+/// The first and last leaf of a segment.
+struct Ends {
+  Eigen::Vector3i first = Eigen::Vector3i::Zero();
+  Eigen::Vector3i last = Eigen::Vector3i::Zero();
+
+  [[nodiscard]] int steps() const { return (last - first).cwiseAbs().sum(); }
+  bool operator==(const Ends&) const = default;
+};
+
 /// Steps from cell to cell along a segment (Amanatides and Woo, Eurographics 1987), in units of leaves.
-void walk_segment(const Eigen::Vector3f& from, const Eigen::Vector3f& to, LeafList& leaves) {
-  Eigen::Vector3i cell = from.array().floor().cast<int>();
-  const Eigen::Vector3i last = to.array().floor().cast<int>();
+void walk_segment(const Eigen::Vector3f& from, const Eigen::Vector3f& to, const Ends& ends, LeafList& leaves) {
+  Eigen::Vector3i cell = ends.first;
+  const Eigen::Vector3i& last = ends.last;
   const Eigen::Vector3f direction = to - from;
   Eigen::Vector3i step;
   Eigen::Vector3f next;   // parameter in [0, 1] at which the ray leaves the cell, per axis
@@ -68,7 +78,7 @@ void walk_segment(const Eigen::Vector3f& from, const Eigen::Vector3f& to, LeafLi
     delta[axis] = still ? std::numeric_limits<float>::infinity() : 1.0F / std::abs(direction[axis]);
   }
   leaves.add(cell);
-  for (int remaining = (last - cell).cwiseAbs().sum(); remaining > 0; --remaining) {
+  for (int remaining = ends.steps(); remaining > 0; --remaining) {
     int axis = 0;
     next.minCoeff(&axis);
     cell[axis] += step[axis];
@@ -91,13 +101,18 @@ struct RayCaster {
     direction_from_pixel = (world_from_camera.rotation * ray_from_pixel / leaf_size).cast<float>();
   }
 
-  void walk(int x, int y, float nearest, float farthest, LeafList& leaves) const {
+  /// `previous`: the ends of the last ray that was walked. With at most one step between them there is only one way, so
+  /// that the next ray with the same ends, usually the neighbouring pixel's, adds nothing.
+  void walk(int x, int y, float nearest, float farthest, Ends& previous, LeafList& leaves) const {
     const Eigen::Vector3f direction =
         direction_from_pixel * Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), 1);
     const Eigen::Vector3f from = origin + nearest * direction;
     const Eigen::Vector3f to = origin + farthest * direction;
     if (!(from.cwiseAbs().maxCoeff() < limit && to.cwiseAbs().maxCoeff() < limit)) return;
-    walk_segment(from, to, leaves);
+    const Ends ends{from.array().floor().cast<int>(), to.array().floor().cast<int>()};
+    if (ends == previous && ends.steps() <= 1 && !leaves.empty()) return;
+    previous = ends;
+    walk_segment(from, to, ends, leaves);
   }
 };
 
@@ -111,14 +126,16 @@ std::vector<Eigen::Vector3i> leaves_near_surface(const DepthView& view, const ge
       static_cast<std::size_t>((view.height() + kRowsPerTask - 1) / kRowsPerTask));
   tbb::parallel_for(std::size_t{0}, keys_of_task.size(), [&](std::size_t task) {
     LeafList leaves;
+    Ends previous;
     const int first_row = static_cast<int>(task) * kRowsPerTask;
     for (int y = first_row; y < std::min(first_row + kRowsPerTask, view.height()); ++y) {
       for (int x = 0; x < view.width(); ++x) {
         const float inverse_depth = view.inverse_depth(x, y);
         if (inverse_depth == 0.0F) continue;
         const float depth = 1.0F / inverse_depth;
-        const auto band = static_cast<float>(band_half_width(options, depth));
-        rays.walk(x, y, std::max(0.0F, depth - band), depth + band, leaves);
+        const auto band = static_cast<float>(band_half_width(options, depth)) /
+                          view.obliqueness_at(static_cast<float>(x), static_cast<float>(y));
+        rays.walk(x, y, std::max(0.0F, depth - band), depth + band, previous, leaves);
       }
     }
     keys_of_task[task] = leaves.keys();

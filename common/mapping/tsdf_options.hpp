@@ -14,7 +14,7 @@ struct TsdfOptions {
   double max_depth = 5.0;     ///< farther readings are ignored, metres
   double band_voxels = 4.0;   ///< half width of the band around a reading that is updated: at least this many voxels
   double band_sigmas = 3.0;   ///< and at least this many standard deviations of the reading
-  double max_gradient = 4.0;  ///< a step of more than this between neighbouring voxels is a depth edge, not a surface
+  double max_gradient = 3.0;  ///< a step above this many voxel sizes from voxel to voxel is a depth edge, no surface
 
   bool operator==(const TsdfOptions&) const = default;
 };

@@ -1,0 +1,116 @@
+#include "services/mapper/keyframe_map.hpp"
+
+#include <numbers>
+#include <utility>
+
+#include "common/base/check.hpp"
+#include "common/codec/colour_codec.hpp"
+#include "common/codec/depth_codec.hpp"
+#include "common/geometry/so3.hpp"
+
+namespace eg::services {
+namespace {
+
+constexpr int kJpegQuality = 95;  // colour has been through JPEG once already
+constexpr double kMaxRotation = 0.5 * std::numbers::pi / 180.0;
+
+bool is_same(const geometry::Pose& a, const geometry::Pose& b) {
+  return a.rotation == b.rotation && a.translation == b.translation;
+}
+
+bool is_far(const geometry::Pose& a, const geometry::Pose& b, double max_distance) {
+  return (a.translation - b.translation).norm() > max_distance ||
+         geometry::rotation_angle_between(a.rotation, b.rotation) > kMaxRotation;
+}
+
+}  // namespace
+
+KeyframeMap::KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget)
+    : field_(options), image_budget_(image_budget) {}
+
+KeyframeMap::Images KeyframeMap::compress(const image::RgbdFrame& frame) {
+  return {frame.camera, codec::encode_colour(frame.colour, codec::ColourEncoding::jpeg, kJpegQuality),
+          codec::encode_depth(frame.depth)};
+}
+
+base::Result<image::RectifiedFrame> KeyframeMap::restore(const Images& images) {
+  const geometry::CameraModel& camera = images.camera;
+  const auto colour = codec::decode_colour(images.colour, codec::ColourEncoding::jpeg, camera.width, camera.height);
+  if (!colour) return tl::make_unexpected(colour.error());
+  const auto depth = codec::decode_depth(images.depth, camera.width, camera.height);
+  if (!depth) return tl::make_unexpected(depth.error());
+  return rectifier_.rectify({{}, camera, *colour, *depth});
+}
+
+base::Status KeyframeMap::integrate(egraph::KeyframeId id, const image::RgbdFrame& frame,
+                                    const geometry::Pose& world_from_camera) {
+  if (keyframes_.contains(id)) return {};
+  Images images = compress(frame);
+  const auto restored = restore(images);
+  if (!restored) return tl::make_unexpected(restored.error());
+  const auto integrated = field_.integrate(*restored, world_from_camera);
+  if (!integrated) return tl::make_unexpected(integrated.error());
+  image_bytes_ += images.bytes();
+  keyframes_[id] = {world_from_camera, std::move(images)};
+  drop_oldest_images();
+  note_if_far(id);
+  return {};
+}
+
+void KeyframeMap::drop_oldest_images() {
+  for (auto it = keyframes_.begin(); it != keyframes_.end() && image_bytes_ > image_budget_; ++it) {
+    if (!it->second.images) continue;
+    image_bytes_ -= it->second.images->bytes();
+    it->second.images.reset();
+    far_.erase(it->first);
+  }
+}
+
+void KeyframeMap::correct(const tracking::PoseCorrection& correction) {
+  for (const auto& [id, world_from_camera] : correction.entries) {
+    const auto [latest, is_first] = latest_poses_.try_emplace(id, LatestPose{correction.version, world_from_camera});
+    if (!is_first) {
+      if (correction.version <= latest->second.version) continue;
+      latest->second = {correction.version, world_from_camera};
+    }
+    note_if_far(id);
+  }
+}
+
+void KeyframeMap::note_if_far(egraph::KeyframeId id) {
+  const auto keyframe = keyframes_.find(id);
+  const auto latest = latest_poses_.find(id);
+  if (keyframe == keyframes_.end() || latest == latest_poses_.end() || !keyframe->second.images) return;
+  if (is_far(keyframe->second.world_from_camera, latest->second.world_from_camera, field_.options().voxel_size)) {
+    far_.insert(id);
+  } else {
+    far_.erase(id);
+  }
+}
+
+bool KeyframeMap::move_next() {
+  if (far_.empty()) return false;
+  move(*far_.begin());
+  return true;
+}
+
+void KeyframeMap::settle() {
+  for (const auto& [id, latest] : latest_poses_) {
+    const auto keyframe = keyframes_.find(id);
+    if (keyframe == keyframes_.end() || !keyframe->second.images) continue;
+    if (!is_same(keyframe->second.world_from_camera, latest.world_from_camera)) move(id);
+  }
+}
+
+void KeyframeMap::move(egraph::KeyframeId id) {
+  Keyframe& keyframe = keyframes_.at(id);
+  const geometry::Pose& target = latest_poses_.at(id).world_from_camera;
+  const auto frame = restore(*keyframe.images);
+  EG_CHECK(frame, "images that were restored once can be restored again");
+  EG_CHECK(field_.deintegrate(*frame, keyframe.world_from_camera), "a keyframe that was integrated can be taken back");
+  EG_CHECK(field_.integrate(*frame, target), "a keyframe can be integrated at a finite pose");
+  keyframe.world_from_camera = target;
+  far_.erase(id);
+}
+
+}  // namespace eg::services

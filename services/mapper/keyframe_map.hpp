@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "common/image/rectifier.hpp"
+#include "common/image/rgbd_frame.hpp"
+#include "common/mapping/tsdf_map.hpp"
+#include "common/tracking/pose_estimate.hpp"
+
+namespace eg::services {
+
+/// The dense map as a function of the keyframes and their latest poses. It keeps each keyframe's compressed images, so
+/// that a keyframe whose pose is corrected can be taken out of the field and put back where it belongs. What goes into
+/// the field are the images as they come out of the compression: only those can be taken out again exactly.
+class KeyframeMap {
+ public:
+  /// @param image_budget bytes of compressed images kept; beyond it the oldest keyframes stay where they are
+  KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget);
+
+  /// Fuses a keyframe. One that is there already changes nothing.
+  base::Status integrate(egraph::KeyframeId id, const image::RgbdFrame& frame, const geometry::Pose& world_from_camera);
+
+  /// Takes note of new poses, also of keyframes that are yet to come. Older versions than the known ones are ignored.
+  void correct(const tracking::PoseCorrection& correction);
+
+  /// Moves one of the keyframes that are more than a voxel or half a degree from their latest pose. False: there is
+  /// none.
+  bool move_next();
+
+  /// Moves every keyframe to exactly its latest pose: the field then no longer depends on when corrections came.
+  void settle();
+
+  [[nodiscard]] mapping::TsdfMap& field() { return field_; }
+  [[nodiscard]] std::size_t keyframe_count() const { return keyframes_.size(); }
+  [[nodiscard]] std::size_t image_bytes() const { return image_bytes_; }
+
+ private:
+  struct Images {
+    geometry::CameraModel camera;
+    std::vector<std::uint8_t> colour;  ///< JPEG
+    std::vector<std::uint8_t> depth;   ///< codec::encode_depth
+
+    [[nodiscard]] std::size_t bytes() const { return colour.size() + depth.size(); }
+  };
+  struct Keyframe {
+    geometry::Pose world_from_camera;  ///< where it is in the field
+    std::optional<Images> images;      ///< none: dropped for the budget
+  };
+  struct LatestPose {
+    std::int64_t version = 0;
+    geometry::Pose world_from_camera;
+  };
+
+  [[nodiscard]] static Images compress(const image::RgbdFrame& frame);
+  [[nodiscard]] base::Result<image::RectifiedFrame> restore(const Images& images);
+  void drop_oldest_images();
+  void note_if_far(egraph::KeyframeId id);
+  void move(egraph::KeyframeId id);
+
+  mapping::TsdfMap field_;
+  std::size_t image_budget_;
+  std::size_t image_bytes_ = 0;
+  image::Rectifier rectifier_;
+  std::map<egraph::KeyframeId, Keyframe> keyframes_;
+  std::map<egraph::KeyframeId, LatestPose> latest_poses_;  ///< of corrected keyframes
+  std::set<egraph::KeyframeId> far_;                       ///< keyframes to be moved
+};
+
+}  // namespace eg::services
