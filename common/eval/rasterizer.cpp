@@ -30,7 +30,8 @@ void Rasterizer::draw(const std::array<RasterVertex, 3>& triangle) {
   for (int y = first_y; y <= last_y; ++y) {
     for (int x = first_x; x <= last_x; ++x) {
       const cv::Point2d p(x, y);
-      const double u = edge(b.pixel, c.pixel, p) / area, v = edge(c.pixel, a.pixel, p) / area, w = 1.0 - u - v;
+      const double u = edge(b.pixel, c.pixel, p) / area, v = edge(c.pixel, a.pixel, p) / area;
+      const double w = edge(a.pixel, b.pixel, p) / area;
       if (u < 0.0 || v < 0.0 || w < 0.0) continue;
       const auto depth = static_cast<float>(u * a.depth + v * b.depth + w * c.depth);
       if (depth >= depth_(y, x)) continue;

@@ -24,7 +24,7 @@ class Light {
   Light(const Eigen::Vector3d& up, const Eigen::Vector3d& forward) : to_light_((up - 1.5 * forward).normalized()) {}
 
   [[nodiscard]] float intensity(const Eigen::Vector3d& normal) const {
-    constexpr double kAmbient = 0.45;
+    constexpr double kAmbient = 0.6;
     return static_cast<float>(kAmbient + (1.0 - kAmbient) * std::max(normal.dot(to_light_), 0.0));
   }
 

@@ -11,15 +11,16 @@
 namespace eg::eval {
 namespace {
 
-/// The interval that holds the values but for 1 % at each side.
-std::pair<double, double> inner_interval(std::vector<double> values) {
-  const auto cut = values.size() / 100;
-  const auto low = values.begin() + static_cast<std::ptrdiff_t>(cut);
-  const auto high = values.end() - 1 - static_cast<std::ptrdiff_t>(cut);
-  std::nth_element(values.begin(), low, values.end());
-  const double lowest = *low;
-  std::nth_element(values.begin(), high, values.end());
-  return {lowest, *high};
+/// The interval of all values; of all but 1 % at each side where that makes it much shorter, because those are
+/// outliers.
+std::pair<double, double> interval_without_outliers(std::vector<double> values) {
+  constexpr double kMuchShorter = 0.3;
+  std::sort(values.begin(), values.end());
+  const std::size_t cut = values.size() / 100;
+  const double low = values[cut], high = values[values.size() - 1 - cut];
+  const double longest_tail = kMuchShorter * (high - low);
+  return {low - values.front() <= longest_tail ? values.front() : low,
+          values.back() - high <= longest_tail ? values.back() : high};
 }
 
 }  // namespace
@@ -28,9 +29,10 @@ OrthographicView::OrthographicView(const Eigen::Vector3d& up, const Eigen::Vecto
                                    double elevation, bool mirrored) {
   Eigen::Vector3d level = ahead - ahead.dot(up) * up;
   if (level.norm() < 1e-6) level = geometry::tangent_basis(up).col(0);
-  level = geometry::so3_exp(azimuth * up) * level.normalized();
+  const double handedness = mirrored ? -1.0 : 1.0;
+  level = geometry::so3_exp(handedness * azimuth * up) * level.normalized();
   forward_ = std::cos(elevation) * level - std::sin(elevation) * up;
-  right_ = (mirrored ? -1.0 : 1.0) * level.cross(up);
+  right_ = handedness * level.cross(up);
   down_ = -(std::cos(elevation) * up + std::sin(elevation) * level);
 }
 
@@ -41,8 +43,8 @@ void OrthographicView::fit(std::span<const Eigen::Vector3d> points, const cv::Re
     across.push_back(right_.dot(point));
     downward.push_back(down_.dot(point));
   }
-  const auto [left, right] = inner_interval(std::move(across));
-  const auto [top, bottom] = inner_interval(std::move(downward));
+  const auto [left, right] = interval_without_outliers(std::move(across));
+  const auto [top, bottom] = interval_without_outliers(std::move(downward));
   constexpr double kSmallestExtent = 1e-3;
   scale_ = std::min(rectangle.width / std::max(right - left, kSmallestExtent),
                     rectangle.height / std::max(bottom - top, kSmallestExtent));

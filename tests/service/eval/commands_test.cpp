@@ -1,0 +1,128 @@
+#include "services/eval/commands.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "common/geometry/so3.hpp"
+#include "common/io/graph_json.hpp"
+#include "common/io/ply.hpp"
+#include "common/io/trajectory_file.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace eg::service {
+namespace {
+
+using testing::HasSubstr;
+
+class EvalCommands : public testing::Test {
+ protected:
+  EvalCommands() {
+    std::vector<geometry::StampedPose> reference, estimate;
+    const geometry::Pose motion{geometry::so3_exp({0.3, 0.2, 0.1}), {1, 2, 3}};
+    egraph::GraphSnapshot graph;
+    for (int i = 0; i < 60; ++i) {
+      const geometry::Pose pose{geometry::so3_exp({0, 0.05 * i, 0}), {0.02 * i, 0.001 * i * i, 0}};
+      estimate.push_back({i / 30.0, pose});
+      reference.push_back({i / 30.0, motion * pose});
+      if (i % 20 != 0) continue;
+      egraph::KeyframeNode& keyframe = graph.keyframes.emplace_back();
+      keyframe.id = {i / 20};
+      keyframe.utime = i * 1000000LL / 30;
+      keyframe.world_from_camera = pose;
+    }
+    graph.edges = {{{0}, {1}, {}}, {{0}, {2}, {}}};
+    EXPECT_TRUE(io::write_trajectory(file("est.txt"), estimate).has_value());
+    EXPECT_TRUE(io::write_trajectory(file("gt.txt"), reference).has_value());
+    EXPECT_TRUE(io::write_graph(file("egraph.json"), graph).has_value());
+
+    io::PlyData mesh;
+    mesh.vertices = {{0, 1, 0}, {2, 1, 0}, {0, 1, 2}};
+    mesh.triangles = {{0, 1, 2}};
+    EXPECT_TRUE(io::write_ply(file("mesh.ply"), io::view_of(mesh)).has_value());
+    for (Eigen::Vector3f& v : mesh.vertices) v = (motion * v.cast<double>().eval()).cast<float>();
+    EXPECT_TRUE(io::write_ply(file("ref.ply"), io::view_of(mesh)).has_value());
+  }
+  [[nodiscard]] std::filesystem::path file(const char* name) const { return folder_.path() / name; }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(EvalCommands, Trajectory) {
+  const auto report = report_trajectory(file("est.txt"), file("gt.txt"));
+  ASSERT_TRUE(report.has_value()) << report.error().message;
+  EXPECT_THAT(report->table, HasSubstr("60 of 60 estimated poses matched, 100.0 %"));
+  EXPECT_EQ(report->json["matched_frames"], 60);
+  EXPECT_LT(report->json["ate_rmse_m"].get<double>(), 1e-6);
+  EXPECT_LT(report->json["are_mean_deg"].get<double>(), 1e-4);
+  EXPECT_EQ(report->json["rpe_rotation_deg"]["count"], 30);
+}
+
+TEST_F(EvalCommands, Graph) {
+  const auto report = report_graph(file("egraph.json"), file("gt.txt"), "synthetic");
+  ASSERT_TRUE(report.has_value()) << report.error().message;
+  EXPECT_EQ(report->json["edges"], 2);
+  EXPECT_EQ(report->json["overlapping_deg"]["count"], 1);      // 57 degrees apart
+  EXPECT_EQ(report->json["non_overlapping_deg"]["count"], 1);  // 115 degrees apart
+  EXPECT_LT(report->json["edge_rotation_mean_deg"].get<double>(), 1e-4);
+  EXPECT_THAT(report_graph(file("egraph.json"), file("gt.txt"), "nikon").error().message, HasSubstr("unknown camera"));
+}
+
+TEST_F(EvalCommands, MeshWithAndWithoutAlignment) {
+  const auto unaligned = report_mesh(file("mesh.ply"), file("ref.ply"), std::nullopt);
+  ASSERT_TRUE(unaligned.has_value());
+  EXPECT_GT(unaligned->json["accuracy_mean_m"].get<double>(), 0.5);
+  const auto aligned = report_mesh(file("mesh.ply"), file("ref.ply"), MeshAlignment{file("est.txt"), file("gt.txt")});
+  ASSERT_TRUE(aligned.has_value());
+  EXPECT_LT(aligned->json["accuracy_mean_m"].get<double>(), 1e-5);
+  EXPECT_LT(aligned->json["completeness_mean_m"].get<double>(), 1e-5);
+}
+
+TEST_F(EvalCommands, Picture) {
+  const PictureFiles files{file("mesh.ply"), file("est.txt"), file("gt.txt"), file("egraph.json")};
+  const auto report = render_picture(files, false, file("picture.png"));
+  ASSERT_TRUE(report.has_value()) << report.error().message;
+  EXPECT_THAT(report->table, HasSubstr("1280x1280 picture of 1 triangles, 60 poses and 3 keyframes"));
+  EXPECT_EQ(cv::imread(file("picture.png").string()).size(), cv::Size(1280, 1280));
+  EXPECT_THAT(render_picture({}, false, file("p.png")).error().message, HasSubstr("needs --mesh or --trajectory"));
+  EXPECT_THAT(render_picture(files, false, "/no/such/p.png").error().message,
+              HasSubstr("/no/such/p.png: cannot be written"));
+}
+
+TEST_F(EvalCommands, BadFilesAreNamed) {
+  folder_.write("late.txt", "1000.0 0 0 0 0 0 0 1\n1001.0 0 0 0 0 0 0 1\n");
+  const auto late = report_trajectory(file("late.txt"), file("gt.txt"));
+  EXPECT_EQ(late.error().message,
+            file("late.txt").string() + " against " + file("gt.txt").string() +
+                ": only 0 of 2 estimated poses have a reference pose within 20 ms; at least 2 are needed");
+  EXPECT_THAT(report_trajectory(file("none"), file("gt.txt")).error().message, HasSubstr("none: cannot be read"));
+  EXPECT_THAT(report_graph(file("gt.txt"), file("gt.txt"), "icl").error().message,
+              HasSubstr("gt.txt: is no valid JSON"));
+  EXPECT_THAT(report_mesh(file("gt.txt"), file("ref.ply"), std::nullopt).error().message, HasSubstr("is no PLY file"));
+}
+
+/// What a shell sees.
+int run(const std::string& arguments, std::string* output = nullptr) {
+  const std::string command = std::string(EGRAPH_BIN_DIR) + "/egraph-eval " + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  std::string text;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
+  if (output != nullptr) *output = text;
+  return pclose(pipe);
+}
+
+TEST_F(EvalCommands, ExitCodesAndOneSentence) {
+  const std::string est = file("est.txt").string(), gt = file("gt.txt").string();
+  std::string output;
+  EXPECT_EQ(run("trajectory " + est + " " + gt + " --json", &output), 0);
+  EXPECT_EQ(nlohmann::json::parse(output)["matched_frames"], 60);
+  EXPECT_NE(run("trajectory " + est + " /no/such/file", &output), 0);
+  EXPECT_EQ(output, "egraph-eval: /no/such/file: cannot be read: No such file or directory\n");
+  EXPECT_NE(run("trajectory " + est, &output), 0);
+  EXPECT_NE(run("", &output), 0);
+  EXPECT_EQ(run("--help", &output), 0);
+}
+
+}  // namespace
+}  // namespace eg::service
