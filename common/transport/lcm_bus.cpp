@@ -2,6 +2,7 @@
 
 #include <lcm/lcm.h>
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 #include <vector>
@@ -15,6 +16,9 @@ namespace {
 struct LcmDestroyer {
   void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
 };
+
+/// LCM 1.3.1 lets one message more wait than it is told, and takes 0 for no bound.
+int lcm_capacity(int queue_capacity) { return queue_capacity > 0 ? std::max(1, queue_capacity - 1) : 0; }
 
 class LcmBusImplementation : public LcmBus {
  public:
@@ -71,7 +75,7 @@ base::Status LcmBusImplementation::subscribe(const std::string& channel, Handler
     subscriptions_.pop_back();
     return base::fail("cannot listen to channel " + *name + " over " + url_);
   }
-  lcm_subscription_set_queue_capacity(subscription, queue_capacity);
+  lcm_subscription_set_queue_capacity(subscription, lcm_capacity(queue_capacity));
   return {};
 }
 

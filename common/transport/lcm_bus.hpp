@@ -9,7 +9,7 @@
 namespace eg::transport {
 
 /// The bus between processes: LCM (Huang, Olson, Moore, IROS 2010), datagrams over UDP multicast. A message may be
-/// lost; one that arrives is whole. A sender hears its own messages.
+/// lost; one that arrives is whole. A sender hears its own messages. Of a queue of capacity 1, LCM makes one of 2.
 class LcmBus : public Bus {
  public:
   struct Options {

@@ -1,0 +1,153 @@
+#include "common/transport/event_log.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lcm/eventlog.h>
+
+#include <fstream>
+
+#include "common/transport/log_bus.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/transport/recorder.hpp"
+
+namespace eg::transport {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class EventLog : public testing::Test {
+ protected:
+  void write_three() {
+    auto writer = EventLogWriter::create(path_);
+    ASSERT_TRUE(writer) << writer.error().message;
+    ASSERT_TRUE(writer->write("EG1_A", bytes_of("one"), 1'000'000));
+    ASSERT_TRUE(writer->write("EG2_A", bytes_of(""), 2'000'000));
+    ASSERT_TRUE(writer->write("EG1_B", bytes_of("three"), 3'000'000));
+    ASSERT_TRUE(writer->flush());
+  }
+
+  /// Everything that can be read; `error` says why it ended, if not at the end of the file.
+  std::vector<std::string> read_all(std::string* error) const {
+    std::vector<std::string> texts;
+    auto reader = EventLogReader::open(path_);
+    EXPECT_TRUE(reader) << reader.error().message;
+    for (;;) {
+      const auto event = reader->next();
+      if (!event) *error = event.error().message;
+      if (!event || !*event) return texts;
+      texts.emplace_back((*event)->bytes.begin(), (*event)->bytes.end());
+    }
+  }
+
+  test::TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.path() / "run.lcm";
+};
+
+TEST_F(EventLog, GivesBackWhatWasWritten) {
+  write_three();
+  std::string error;
+  EXPECT_THAT(read_all(&error), ElementsAre("one", "", "three"));
+  EXPECT_EQ(error, "");
+}
+
+TEST_F(EventLog, LcmReadsWhatWeWrite) {
+  write_three();
+  lcm_eventlog_t* log = lcm_eventlog_create(path_.c_str(), "r");
+  ASSERT_NE(log, nullptr);
+  std::vector<std::string> lines;
+  while (lcm_eventlog_event_t* event = lcm_eventlog_read_next_event(log)) {
+    lines.push_back(std::string(event->channel) + " " + std::to_string(event->timestamp) + " " +
+                    std::string(static_cast<const char*>(event->data), static_cast<std::size_t>(event->datalen)));
+    lcm_eventlog_free_event(event);
+  }
+  lcm_eventlog_destroy(log);
+  EXPECT_THAT(lines, ElementsAre("EG1_A 1000000 one", "EG2_A 2000000 ", "EG1_B 3000000 three"));
+}
+
+TEST_F(EventLog, WeReadWhatLcmWrites) {
+  lcm_eventlog_t* log = lcm_eventlog_create(path_.c_str(), "w");
+  ASSERT_NE(log, nullptr);
+  char channel[] = "CHANNEL";
+  char data[] = "data";
+  lcm_eventlog_event_t event{0, 77, 7, 4, channel, data};
+  ASSERT_EQ(lcm_eventlog_write_event(log, &event), 0);
+  lcm_eventlog_destroy(log);
+  auto reader = EventLogReader::open(path_);
+  ASSERT_TRUE(reader);
+  const auto read = reader->next();
+  ASSERT_TRUE(read && *read);
+  EXPECT_EQ((*read)->channel, "CHANNEL");
+  EXPECT_EQ((*read)->utime, 77);
+  EXPECT_EQ(std::string((*read)->bytes.begin(), (*read)->bytes.end()), "data");
+}
+
+TEST_F(EventLog, SaysWhereAFileEndsTooSoon) {
+  write_three();
+  const auto size = std::filesystem::file_size(path_);
+  for (std::uintmax_t cut = size - 1; cut > size - 30; --cut) {
+    std::filesystem::resize_file(path_, cut);
+    std::string error;
+    EXPECT_THAT(read_all(&error), ElementsAre("one", ""));
+    EXPECT_THAT(error, HasSubstr("ends within an event (after 2 events)"));
+  }
+}
+
+TEST_F(EventLog, RefusesImpossibleLengthsAndOtherFiles) {
+  write_three();
+  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(24);
+  file.write("\x7f\xff\xff\xff", 4);
+  file.close();
+  std::string error;
+  EXPECT_TRUE(read_all(&error).empty());
+  EXPECT_THAT(error, HasSubstr("impossible size"));
+
+  std::ofstream(path_) << "this is a text and certainly no log of any messages";
+  EXPECT_TRUE(read_all(&error).empty());
+  EXPECT_THAT(error, HasSubstr("is no LCM log"));
+}
+
+TEST_F(EventLog, SaysWhatCannotBeOpened) {
+  const auto reader = EventLogReader::open(folder_.path() / "absent.lcm");
+  ASSERT_FALSE(reader);
+  EXPECT_THAT(reader.error().message, HasSubstr("absent.lcm: No such file"));
+  EXPECT_FALSE(EventLogWriter::create(folder_.path() / "absent" / "run.lcm"));
+}
+
+TEST_F(EventLog, BusReplaysItsPrefixInOrder) {
+  write_three();
+  auto bus = LogBus::open({.input = path_, .channel_prefix = "EG1_", .output = std::nullopt});
+  ASSERT_TRUE(bus) << bus.error().message;
+  Recorder recorder;
+  ASSERT_TRUE((*bus)->subscribe("A", recorder.handler(), 1));
+  ASSERT_TRUE((*bus)->subscribe("B", recorder.handler(), 1));
+  EXPECT_EQ((*bus)->handle(milliseconds(0)).value(), 1);
+  EXPECT_EQ((*bus)->handle(milliseconds(0)).value(), 1);
+  EXPECT_THAT(recorder.channels, ElementsAre("A", "B"));
+  EXPECT_THAT(recorder.utimes, ElementsAre(1'000'000, 3'000'000));
+  EXPECT_FALSE((*bus)->ended());
+  EXPECT_FALSE((*bus)->handle(milliseconds(0)));
+  EXPECT_TRUE((*bus)->ended());
+  EXPECT_FALSE((*bus)->publish("A", {}));
+}
+
+TEST_F(EventLog, BusKeepsWhatIsPublishedWhileReplaying) {
+  write_three();
+  const auto output = folder_.path() / "answers.lcm";
+  auto bus = LogBus::open({.input = path_, .channel_prefix = "EG1_", .output = output});
+  ASSERT_TRUE(bus);
+  const auto answer = [&](const ReceivedMessage& m) { ASSERT_TRUE((*bus)->publish("ANSWER", m.bytes)); };
+  ASSERT_TRUE((*bus)->subscribe("B", answer, 0));
+  while ((*bus)->handle(milliseconds(0))) continue;
+  auto reader = EventLogReader::open(output);
+  ASSERT_TRUE(reader);
+  const auto event = reader->next();
+  ASSERT_TRUE(event && *event);
+  EXPECT_EQ((*event)->channel, "EG1_ANSWER");
+  EXPECT_EQ((*event)->utime, 3'000'000);
+}
+
+}  // namespace
+}  // namespace eg::transport

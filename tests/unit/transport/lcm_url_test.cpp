@@ -1,0 +1,34 @@
+#include "common/transport/lcm_url.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace eg::transport {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(LcmUrl, IsTheDefaultOnItsPort) {
+  EXPECT_EQ(lcm_url_for_port(7667), kDefaultLcmUrl);
+  EXPECT_THAT(lcm_url_for_port(7700), HasSubstr(":7700?ttl=0&recv_buf_size="));
+}
+
+TEST(LcmUrl, AdvisesOnReceiveBuffers) {
+  EXPECT_EQ(receive_buffer_advice(kDefaultLcmUrl, 2097152), std::nullopt);
+  EXPECT_THAT(receive_buffer_advice(kDefaultLcmUrl, 212992).value(), HasSubstr("sysctl -w net.core.rmem_max=2097152"));
+  EXPECT_THAT(receive_buffer_advice("udpm://239.255.76.67:7667?ttl=0", 1 << 30).value(), HasSubstr("recv_buf_size"));
+  EXPECT_EQ(receive_buffer_advice("file://run.lcm", 0), std::nullopt);
+}
+
+TEST(LcmUrl, ReadsTheKernelsLimit) { EXPECT_GT(kernel_receive_buffer_limit().value_or(0), 0); }
+
+TEST(LcmUrl, OnlyMulticastNeedsARoute) { EXPECT_TRUE(check_multicast_route("memq://")); }
+
+TEST(LcmUrl, RefusesGroupsThatAreNoAddress) {
+  const auto status = check_multicast_route("udpm://somewhere:7667?ttl=0");
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message, HasSubstr("'somewhere'"));
+}
+
+}  // namespace
+}  // namespace eg::transport
