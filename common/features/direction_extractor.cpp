@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/features/direction_significance.hpp"
 #include "common/features/vanishing_linkage.hpp"
 #include "common/features/vanishing_preferences.hpp"
 #include "common/geometry/so3.hpp"
@@ -44,15 +45,18 @@ void sort_by_support(const Lines& lines, Groups& groups) {
   });
 }
 
+bool near_any(const Eigen::Vector3d& direction, const Groups& groups, double angle) {
+  return std::any_of(groups.begin(), groups.end(), [&](const DirectionGroup& group) {
+    return geometry::axial_angle(direction, group.estimate.direction) < angle;
+  });
+}
+
 /// Drops groups whose direction a better supported group has; their lines find it when they are assigned again.
 Groups without_duplicates(const Lines& lines, Groups groups, double same_direction) {
   sort_by_support(lines, groups);
   Groups kept;
   for (DirectionGroup& group : groups) {
-    const bool known = std::any_of(kept.begin(), kept.end(), [&](const DirectionGroup& other) {
-      return geometry::axial_angle(group.estimate.direction, other.estimate.direction) < same_direction;
-    });
-    if (!known) kept.push_back(std::move(group));
+    if (!near_any(group.estimate.direction, kept, same_direction)) kept.push_back(std::move(group));
   }
   return kept;
 }
@@ -113,6 +117,20 @@ void add_parallel_pairs(const Lines& lines, const geometry::CameraModel& camera,
   }
 }
 
+/// Keeps the groups that chance does not explain. Lines of better supported groups are no candidates for the others.
+Groups significant(const Lines& lines, Groups groups, const DirectionExtractorOptions& options) {
+  sort_by_support(lines, groups);
+  int candidates = static_cast<int>(lines.size());
+  Groups kept;
+  for (DirectionGroup& group : groups) {
+    const double false_alarms = log_false_alarms(lines, group, candidates, options.group);
+    if (false_alarms > std::log(options.max_false_alarms)) continue;
+    candidates -= static_cast<int>(group.members.size());
+    kept.push_back(std::move(group));
+  }
+  return kept;
+}
+
 Groups find_groups(const Lines& lines, const geometry::CameraModel& camera, const DirectionExtractorOptions& options) {
   Groups groups;
   for (const std::vector<int>& cluster : cluster_segments(lines, camera, options)) {
@@ -123,8 +141,7 @@ Groups find_groups(const Lines& lines, const geometry::CameraModel& camera, cons
     groups = without_duplicates(lines, std::move(groups), options.same_direction);
     groups = reassign(lines, groups, camera, options.group);
   }
-  sort_by_support(lines, groups);
-  return groups;
+  return significant(lines, std::move(groups), options);
 }
 
 Eigen::Matrix3d with_floor(const DirectionEstimate& estimate, double floor) {
@@ -137,9 +154,10 @@ DirectionFeature vanishing_direction(const DirectionGroup& group, double floor) 
           static_cast<std::int32_t>(group.members.size()), -1};
 }
 
-std::optional<DirectionFeature> potential_direction(const DirectionEvidence& line, int index,
+/// None for a line of one of the groups that is measured badly: it says nothing new.
+std::optional<DirectionFeature> potential_direction(const DirectionEvidence& line, int index, const Groups& groups,
                                                     const DirectionExtractorOptions& options) {
-  if (!line.has_depth) return std::nullopt;
+  if (!line.has_depth || near_any(line.direction, groups, options.same_direction)) return std::nullopt;
   const auto estimate = fit_direction({&line}, line.direction);
   if (!estimate || estimate->max_sigma() > options.max_potential_sigma) return std::nullopt;
   return DirectionFeature{DirectionKind::potential_direction, estimate->direction,
@@ -158,6 +176,7 @@ base::Status validate(const DirectionExtractorOptions& options) {
   if (options.group.min_depth_lines < 2) return base::fail("directions.min_depth_lines must be at least 2");
   if (options.group.min_image_lines < 3) return base::fail("directions.min_image_lines must be at least 3");
   if (!(options.group.max_group_sigma > 0.0)) return base::fail("directions.max_group_sigma must be positive");
+  if (!(options.max_false_alarms > 0.0)) return base::fail("directions.max_false_alarms must be positive");
   if (!(options.sigma_floor >= 0.0)) return base::fail("directions.sigma_floor must not be negative");
   if (options.max_potential < 0) return base::fail("directions.max_potential must not be negative");
   return {};
@@ -172,7 +191,8 @@ std::vector<DirectionFeature> extract_line_directions(std::vector<MeasuredLine>&
 
   std::vector<DirectionFeature> directions;
   for (MeasuredLine& line : lines) line.feature.direction = -1;
-  for (const DirectionGroup& group : find_groups(evidence, camera, options)) {
+  const Groups groups = find_groups(evidence, camera, options);
+  for (const DirectionGroup& group : groups) {
     for (const int member : group.members) {
       lines[static_cast<std::size_t>(member)].feature.direction = static_cast<std::int32_t>(directions.size());
     }
@@ -181,7 +201,7 @@ std::vector<DirectionFeature> extract_line_directions(std::vector<MeasuredLine>&
   int potential = 0;
   for (std::size_t i = 0; i < lines.size() && potential < options.max_potential; ++i) {
     if (lines[i].feature.direction >= 0) continue;
-    const auto direction = potential_direction(evidence[i], static_cast<int>(i), options);
+    const auto direction = potential_direction(evidence[i], static_cast<int>(i), groups, options);
     if (!direction) continue;
     lines[i].feature.direction = static_cast<std::int32_t>(directions.size());
     directions.push_back(*direction);

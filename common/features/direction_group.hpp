@@ -9,12 +9,12 @@
 namespace eg::features {
 
 struct DirectionGroupOptions {
-  double max_pixel_error = 1.5;    ///< of a member's end points from the line to the vanishing point
-  double max_sigmas = 3.0;         ///< of a member's direction in space from the group's
-  double max_depth_angle = 0.07;   ///< radians: how far a member's direction in space may be off in any case
-  int min_depth_lines = 2;         ///< members with depth that make a group
-  int min_image_lines = 4;         ///< members that make a group where depth is missing
-  double max_group_sigma = 0.035;  ///< radians: a group's direction is known at least that well
+  double max_pixel_error = 1.5;     ///< of a member's end points from the line to the vanishing point
+  double max_sigmas = 3.0;          ///< of a member's direction in space from the group's
+  double max_depth_angle = 0.07;    ///< radians: how far a member's direction in space may be off in any case
+  int min_depth_lines = 2;          ///< members with depth that make a group
+  int min_image_lines = 4;          ///< members that make a group where depth is missing
+  double max_group_sigma = 0.0175;  ///< radians: a group's direction is known at least that well
 };
 
 /// Parallel lines.
