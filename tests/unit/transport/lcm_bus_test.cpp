@@ -19,15 +19,11 @@ using testing::HasSubstr;
 constexpr milliseconds kLong{2000};
 constexpr milliseconds kShort{50};
 
-/// Each test runs in a thread with a network of its own: the namespace goes when the thread ends.
+/// Every test has a network of its own.
 void in_private_network(bool with_route, const std::function<void()>& test) {
-  std::string error;
-  std::thread thread([&] {
-    error = enter_private_network(with_route);
-    if (error.empty()) test();
-  });
-  thread.join();
+  const std::string error = enter_private_network(with_route);
   if (!error.empty()) GTEST_SKIP() << error;
+  test();
 }
 
 std::unique_ptr<LcmBus> open_bus(const std::string& prefix = {}) {
