@@ -1,0 +1,68 @@
+#include "services/run/input.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "common/io/camera_file.hpp"
+#include "common/io/dataset.hpp"
+#include "common/synthetic/sequence.hpp"
+
+namespace eg::run {
+namespace {
+
+constexpr std::string_view kSynthetic = "synthetic:";
+
+std::int64_t limited(std::int64_t available, std::int64_t limit) {
+  return limit > 0 ? std::min(available, limit) : available;
+}
+
+/// The services' working folder may be another one.
+std::string absolute_if_file(const std::string& name_or_file) {
+  return std::filesystem::exists(name_or_file) ? std::filesystem::absolute(name_or_file).string() : name_or_file;
+}
+
+base::Result<Input> inspect_synthetic(const RunOptions& options) {
+  synthetic::SequenceOptions sequence_options;
+  sequence_options.scene = options.dataset.substr(kSynthetic.size());
+  if (!options.camera.empty()) {
+    const auto camera = io::read_camera(options.camera);
+    if (!camera) return tl::make_unexpected(camera.error());
+    sequence_options.camera = *camera;
+  }
+  const auto sequence = synthetic::SyntheticSequence::make(sequence_options);
+  if (!sequence) return tl::make_unexpected(sequence.error());
+  Input input;
+  input.dataset = options.dataset;
+  input.y_up = sequence_options.camera.fy < 0.0;
+  input.frames = limited(sequence->size(), options.frames);
+  input.description = "synthetic scene '" + sequence_options.scene + "', camera " + sequence_options.camera.name;
+  input.ground_truth = options.out / "groundtruth.txt";  // written by the frame source
+  return input;
+}
+
+base::Result<Input> inspect_recording(const RunOptions& options) {
+  const auto dataset = io::open_dataset(options.dataset);
+  if (!dataset) return tl::make_unexpected(dataset.error());
+  const auto camera_option = options.camera.empty() ? std::nullopt : std::optional<std::string>(options.camera);
+  const auto camera = io::resolve_camera(options.dataset, camera_option);
+  if (!camera) return tl::make_unexpected(camera.error());
+  if (const auto frame = io::read_frame(*dataset, 0, camera->camera); !frame) return tl::make_unexpected(frame.error());
+  Input input;
+  input.dataset = std::filesystem::absolute(options.dataset).string();
+  input.y_up = camera->camera.fy < 0.0;
+  input.frames = limited(static_cast<std::int64_t>(dataset->frames.size()), options.frames);
+  input.description = options.dataset + ", " + camera->how;
+  input.ground_truth = dataset->ground_truth;
+  return input;
+}
+
+}  // namespace
+
+base::Result<Input> inspect_input(const RunOptions& options) {
+  auto input = options.dataset.starts_with(kSynthetic) ? inspect_synthetic(options) : inspect_recording(options);
+  if (input) input->camera = absolute_if_file(options.camera);
+  return input;
+}
+
+}  // namespace eg::run

@@ -1,0 +1,53 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <exception>
+#include <initializer_list>
+
+#include "common/service/logging.hpp"
+#include "services/run/run.hpp"
+
+namespace {
+
+volatile std::sig_atomic_t stop_signals = 0;
+
+void count_signal(int /*signal*/) { stop_signals = stop_signals + 1; }
+
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = count_signal;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // whoever reads the progress may go first
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  eg::service::log_to_stderr("egraph-run");
+  eg::run::RunOptions options;
+  bool no_mapper = false;
+  CLI::App app("Runs the whole system on a recording: trajectory, E-Graph and mesh into a folder", "egraph-run");
+  app.add_option("--dataset", options.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE")
+      ->required();
+  app.add_option("--camera", options.camera, "Camera by name or YAML file; without it found from the data set");
+  app.add_option("--out", options.out, "Folder for the results; those of an earlier run are replaced")->required();
+  app.add_flag("--realtime", options.realtime, "At the sensor's rate, dropping frames, instead of in lockstep");
+  app.add_flag("--no-mapper", no_mapper, "Without the dense map");
+  app.add_option("--config", options.config, "YAML configuration with a section for each service")
+      ->check(CLI::ExistingFile);
+  app.add_option("--frames", options.frames, "Process at most this many frames; 0: all")->check(CLI::NonNegativeNumber);
+  app.add_flag("--log", options.log, "Record all messages into run.lcm with lcm-logger");
+  app.add_option("--procman", options.procman, "procman configuration to start the services from");
+  app.add_option("--lcm-url", options.lcm_url, "LCM provider to run on; without it a port of this run's own");
+  CLI11_PARSE(app, argc, argv);
+  options.mapper = !no_mapper;
+
+  catch_signals();
+  try {
+    return eg::run::run(options, [] { return static_cast<int>(stop_signals); });
+  } catch (const std::exception& exception) {
+    spdlog::error(exception.what());
+    return 1;
+  }
+}

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/result.hpp"
+#include "services/run/input.hpp"
+
+namespace eg::run {
+
+/// Draws what is in `out` (mesh, trajectory, keyframes; each may be missing) and the ground truth into out/picture.png
+/// with `egraph_eval` (the program), whose output goes to out/log.txt.
+base::Status draw_picture(const std::filesystem::path& egraph_eval, const std::filesystem::path& out,
+                          const Input& input);
+
+}  // namespace eg::run

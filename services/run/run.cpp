@@ -1,0 +1,130 @@
+#include "services/run/run.hpp"
+
+#include <spdlog/spdlog.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+
+#include "common/procman/configuration.hpp"
+#include "common/procman/process_tree.hpp"
+#include "common/transport/lcm_bus.hpp"
+#include "services/run/out_folder.hpp"
+#include "services/run/own_port.hpp"
+#include "services/run/picture.hpp"
+#include "services/run/report.hpp"
+
+namespace eg::run {
+namespace {
+
+constexpr int kInterruptedExitCode = 130;  ///< what a shell reports for SIGINT
+
+std::filesystem::path own_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
+
+std::string script_name(const RunOptions& options) {
+  return std::string(options.log ? "log-and-run" : "run") + (options.mapper ? "" : "-without-mapper");
+}
+
+/// The procman configuration, found beside the programs' folder unless given, once it is known to be good.
+base::Result<std::filesystem::path> find_configuration(const RunOptions& options) {
+  const std::filesystem::path file =
+      options.procman.empty() ? own_folder().parent_path() / "procman" / "egraph.pmd" : options.procman;
+  const auto configuration = procman::load_configuration(file);
+  if (!configuration) return tl::make_unexpected(configuration.error());
+  if (const auto script = procman::check_script(*configuration, script_name(options)); !script) {
+    return tl::make_unexpected(script.error());
+  }
+  return file;
+}
+
+void set_environment(const char* name, const std::string& value) {
+  value.empty() ? unsetenv(name) : setenv(name, value.c_str(), 1);
+}
+
+/// What the services are to do, for all of them to inherit.
+void set_environment(const RunOptions& options, const Input& input, const std::filesystem::path& out,
+                     const std::string& url) {
+  set_environment("EGRAPH_LCM_URL", url);
+  set_environment("EGRAPH_CHANNEL_PREFIX", "");
+  set_environment("EGRAPH_CONFIG", options.config.empty() ? "" : std::filesystem::absolute(options.config).string());
+  set_environment("EGRAPH_OUT", out.string());
+  set_environment("EGRAPH_LOCKSTEP", options.realtime ? "" : "1");
+  set_environment("EGRAPH_DATASET", input.dataset);
+  set_environment("EGRAPH_CAMERA", input.camera);
+  set_environment("EGRAPH_FRAMES", std::to_string(options.frames));
+  set_environment("EGRAPH_CONSUMERS", options.mapper ? "tracker,mapper" : "tracker");
+  set_environment("EGRAPH_SESSION", "1");
+}
+
+/// Kills what the sheriff may have left (only if it was itself killed). Returns how many processes there were.
+std::size_t kill_leftovers() {
+  const std::vector<pid_t> first = procman::find_descendants(getpid());
+  for (auto left = first; !left.empty(); left = procman::find_descendants(getpid())) {
+    for (const pid_t pid : left) kill(pid, SIGKILL);
+    while (waitpid(-1, nullptr, WNOHANG) > 0) {
+    }
+  }
+  return first.size();
+}
+
+int report_failure(const std::string& why) {
+  spdlog::error(why);
+  return 1;
+}
+
+/// After the run, whatever became of it.
+int conclude(const RunOptions& options, const Input& input, const std::filesystem::path& out, const Session& session,
+             double wall_seconds) {
+  RunReport report;
+  report.failure = session.failure();
+  report.result = session.interrupted() ? "interrupted" : report.failure.empty() ? "complete" : "failed";
+  report.wall_seconds = wall_seconds;
+  report.processing_seconds = session.processing_seconds();
+  if (const auto errors = evaluate(out, input); errors) {
+    report.errors = *errors;
+  } else if (report.failure.empty()) {
+    spdlog::warn("no errors against ground truth: {}", errors.error().message);
+  }
+  if (const auto written = write_status(out / "status.json", options, input, session.monitor(), report); !written) {
+    return report_failure(written.error().message);
+  }
+  if (const auto picture = draw_picture(own_folder() / "egraph-eval", out, input); !picture) {
+    spdlog::warn(picture.error().message);
+  }
+  std::puts(summarise(out, session.monitor(), report).c_str());
+  if (session.interrupted()) return kInterruptedExitCode;
+  return report.failure.empty() ? 0 : report_failure(report.failure);
+}
+
+}  // namespace
+
+int run(const RunOptions& options, const StopCount& stops) {
+  const auto input = inspect_input(options);
+  if (!input) return report_failure(input.error().message);
+  const auto configuration = find_configuration(options);
+  if (!configuration) return report_failure(configuration.error().message);
+  const auto out = prepare_out_folder(options.out);
+  if (!out) return report_failure(out.error().message);
+  const auto port = options.lcm_url.empty() ? OwnPort::find() : OwnPort::take(options.lcm_url);
+  if (!port) return report_failure(port.error().message);
+  const auto bus = transport::LcmBus::create({port->url(), ""});
+  if (!bus) return report_failure(bus.error().message);
+
+  std::printf("%s: %lld frames, %s\n", input->description.c_str(), static_cast<long long>(input->frames),
+              options.realtime ? "in real time" : "in lockstep");
+  set_environment(options, *input, *out, port->url());
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  const Clock::time_point start = Clock::now();
+  auto sheriff =
+      SheriffProcess::start({own_folder() / "procman-sheriff", *configuration, script_name(options), *out / "log.txt"});
+  if (!sheriff) return report_failure(sheriff.error().message);
+  Session session(options, *input, **bus, *sheriff, stops);
+  session.run();
+  if (const std::size_t count = kill_leftovers(); count > 0)
+    spdlog::warn("{} processes were left and were killed", count);
+  return conclude(options, *input, *out, session, std::chrono::duration<double>(Clock::now() - start).count());
+}
+
+}  // namespace eg::run

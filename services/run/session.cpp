@@ -1,0 +1,144 @@
+#include "services/run/session.hpp"
+
+#include <utility>
+
+namespace eg::run {
+namespace {
+
+constexpr std::chrono::milliseconds kStep{20};
+constexpr std::chrono::seconds kSaveLimit{120};
+constexpr std::chrono::seconds kStopLimit{240};  ///< more than the stop times of all services together
+constexpr std::int64_t kSaveRequestId = 1;
+constexpr int kMostLinesShown = 20;  ///< warnings of services; all are in log.txt
+
+constexpr std::string_view kSheriff = "[procman-sheriff] ";
+constexpr std::string_view kError = "error: ";
+
+bool calls_for_attention(std::string_view line) {
+  const std::size_t end_of_name = line.find("] ");
+  if (!line.starts_with('[') || end_of_name == std::string_view::npos) return false;
+  const std::string_view text = line.substr(end_of_name + 2);
+  return text.starts_with("warning: ") || text.starts_with(kError);
+}
+
+RunMonitor::Options monitor_options(const RunOptions& options) {
+  RunMonitor::Options monitor;
+  monitor.lockstep = !options.realtime;
+  monitor.consumers = {"tracker"};
+  if (options.mapper) monitor.consumers.emplace_back("mapper");
+  return monitor;
+}
+
+service::ServiceOptions context_options() {
+  service::ServiceOptions options;
+  options.name = "run";
+  return options;
+}
+
+}  // namespace
+
+Session::Session(const RunOptions& options, const Input& input, transport::Bus& bus, SheriffProcess& sheriff,
+                 StopCount stops)
+    : sheriff_(sheriff),
+      bus_(bus),
+      stops_(std::move(stops)),
+      context_(bus, context_options()),
+      monitor_(context_, monitor_options(options), Clock::now()),
+      save_request_(context_, kSaveRequestId),
+      progress_(input.frames, Clock::now()),
+      savers_{"frame_source", "egraph_server", "tracker"} {
+  if (options.mapper) savers_.insert("mapper");
+}
+
+void Session::run() {
+  process_frames();
+  frames_running_ = false;
+  if (!interrupted()) save();
+  stop();
+}
+
+double Session::processing_seconds() const { return std::chrono::duration<double>(last_frame_ - first_frame_).count(); }
+
+void Session::process_frames() {
+  std::int64_t done = 0;
+  while (failure_.empty() && !interrupted() && !monitor_.finished()) {
+    step();
+    const Clock::time_point now = Clock::now();
+    if (monitor_.frames_done() > done) {
+      if (done == 0) first_frame_ = now;
+      last_frame_ = now;
+      done = monitor_.frames_done();
+    }
+    if (const auto why = monitor_.stalled()) fail(*why);
+    progress_.show(monitor_, now);
+  }
+  progress_.finish(monitor_, Clock::now());
+  if (failure_.empty() && !interrupted() && done == 0) fail("no frame of the input could be processed");
+}
+
+void Session::save() {
+  if (!sheriff_.running()) return;
+  const Clock::time_point end = Clock::now() + kSaveLimit;
+  save_request_.start(savers_, Clock::now());
+  while (!save_request_.done() && !interrupted() && sheriff_.running() && Clock::now() < end) {
+    step();
+    save_request_.update(Clock::now());
+  }
+  for (const std::string& service : save_request_.waiting_for()) {
+    if (!interrupted()) fail("service " + service + " has not answered the request to save its results");
+  }
+  for (const auto& [service, why] : save_request_.failures()) fail("service " + service + " could not save: " + why);
+}
+
+void Session::stop() {
+  const Clock::time_point end = Clock::now() + kStopLimit;
+  const int stops_before = stops_();
+  sheriff_.interrupt();
+  bool hurried = false;
+  while (sheriff_.running() && Clock::now() < end) {
+    step();
+    if (!hurried && stops_() > std::max(stops_before, 1)) {
+      sheriff_.interrupt();
+      hurried = true;
+    }
+  }
+  if (sheriff_.running()) {
+    fail("the services could not be stopped and were killed");
+    sheriff_.kill();
+    while (sheriff_.running()) step();
+  }
+  sheriff_.read_output([this](const std::string& line) { handle_line(line); });
+}
+
+void Session::step() {
+  if (const auto handled = bus_.handle(kStep); !handled && stops_() == 0) fail(handled.error().message);
+  monitor_.update(Clock::now());
+  const bool running = sheriff_.running();
+  sheriff_.read_output([this](const std::string& line) { handle_line(line); });
+  if (frames_running_ && !running) fail("procman-sheriff has ended unexpectedly");
+}
+
+void Session::handle_line(const std::string& line) {
+  if (calls_for_attention(line) && ++lines_shown_ <= kMostLinesShown) {
+    progress_.print(lines_shown_ < kMostLinesShown ? line : "more warnings are in log.txt");
+  }
+  if (!line.starts_with(kSheriff)) return;
+  std::string_view text = std::string_view(line).substr(kSheriff.size());
+  const bool error = text.starts_with(kError);
+  if (error) text.remove_prefix(kError.size());
+  const std::string name(text.substr(0, text.find(' ')));
+  const bool ended = text.substr(name.size()).starts_with(" ended with ");
+  if (ended) {
+    savers_.erase(name);
+    save_request_.give_up_on(name);
+  }
+  // While frames are being processed no service may end, not even without an error.
+  if (error || (frames_running_ && ended)) fail((ended ? "service " : "") + std::string(text));
+}
+
+void Session::fail(const std::string& why) {
+  // The first reason is the reason; what follows are consequences.
+  if (failure_.empty()) failure_ = why;
+}
+
+}  // namespace eg::run

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/service/service.hpp"
+#include "services/run/input.hpp"
+#include "services/run/progress.hpp"
+#include "services/run/run_monitor.hpp"
+#include "services/run/run_options.hpp"
+#include "services/run/save_request.hpp"
+#include "services/run/sheriff_process.hpp"
+
+namespace eg::run {
+
+/// How often the user has asked to stop so far.
+using StopCount = std::function<int()>;
+
+/// One run from when the services are being started: follows it to its end, has the results saved, stops the services.
+class Session {
+ public:
+  /// `bus` and `sheriff` must outlive the session.
+  Session(const RunOptions& options, const Input& input, transport::Bus& bus, SheriffProcess& sheriff, StopCount stops);
+
+  /// Returns when all frames are done, or on a failure or an interruption; then nothing runs any more.
+  void run();
+
+  [[nodiscard]] const RunMonitor& monitor() const { return monitor_; }
+  /// Why the run failed, one sentence; empty: it did not.
+  [[nodiscard]] const std::string& failure() const { return failure_; }
+  [[nodiscard]] bool interrupted() const { return stops_() > 0; }
+  /// From the first to the last frame, seconds.
+  [[nodiscard]] double processing_seconds() const;
+
+ private:
+  void process_frames();
+  void save();
+  void stop();
+  /// One round of messages and output.
+  void step();
+  void handle_line(const std::string& line);
+  void fail(const std::string& why);
+
+  SheriffProcess& sheriff_;
+  transport::Bus& bus_;
+  StopCount stops_;
+  service::ServiceContext context_;
+  RunMonitor monitor_;
+  SaveRequest save_request_;
+  Progress progress_;
+  std::set<std::string> savers_;  ///< services that have results and are alive
+  bool frames_running_ = true;
+  int lines_shown_ = 0;
+  std::string failure_;
+  Clock::time_point first_frame_;
+  Clock::time_point last_frame_;
+};
+
+}  // namespace eg::run
