@@ -23,7 +23,7 @@ class BlockSplitter {
     }
     for (std::size_t i = patches.size() - used_; i < patches.size(); ++i) {
       weight_by_noise(patches[i].moments);
-      patches[i].contested = used_ > 1;
+      patches[i].fitted = used_ == 1;
     }
     used_ = 0;
   }
@@ -38,12 +38,53 @@ class BlockSplitter {
       if (patches[i].region == region) return patches[i];
     }
     ++used_;
-    return patches.emplace_back(RegionPatch{region, {}, false});
+    return patches.emplace_back(RegionPatch{region, {}, true});
   }
 
   const BlockGrid& grid_;
   std::size_t used_ = 0;
 };
+
+std::vector<PlaneRegion> fit_regions(const std::vector<RegionPatch>& patches, std::size_t count) {
+  std::vector<PlaneRegion> regions(count);
+  std::vector<PlaneMoments> others(count);
+  for (const RegionPatch& patch : patches) {
+    const auto i = static_cast<std::size_t>(patch.region);
+    (patch.fitted ? regions[i].moments : others[i]) += patch.moments;
+    regions[i].support += patch.moments.pixels;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!fit_plane(regions[i].moments).valid) regions[i].moments += others[i];
+    regions[i].plane = fit_plane(regions[i].moments).plane;
+  }
+  return regions;
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Takes the patches out of the fit whose squared error is far above the median of their region.
+void trim(const std::vector<PlaneRegion>& regions, std::vector<RegionPatch>& patches) {
+  constexpr double kManyTimesTheMedian = 6.0;
+  constexpr double kAlwaysGood = 0.01;  // sigma²
+  std::vector<std::vector<double>> errors(regions.size());
+  const auto error_of = [&](const RegionPatch& patch) {
+    return patch.moments.mean_squared_error(regions[static_cast<std::size_t>(patch.region)].plane);
+  };
+  for (const RegionPatch& patch : patches) {
+    if (patch.fitted) errors[static_cast<std::size_t>(patch.region)].push_back(error_of(patch));
+  }
+  std::vector<double> limits;
+  for (std::vector<double>& of_region : errors) {
+    limits.push_back(of_region.empty() ? 0.0 : std::max(kAlwaysGood, kManyTimesTheMedian * median(of_region)));
+  }
+  for (RegionPatch& patch : patches) {
+    patch.fitted = patch.fitted && error_of(patch) <= limits[static_cast<std::size_t>(patch.region)];
+  }
+}
 
 }  // namespace
 
@@ -54,7 +95,7 @@ void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vec
     for (int column = 0; column < grid.columns; ++column) {
       const auto block = static_cast<std::size_t>(row * grid.columns + column);
       if (labels.seed_of_block[block] >= 0) {
-        patches.push_back({labels.seed_of_block[block], grid.moments[block], false});
+        patches.push_back({labels.seed_of_block[block], grid.moments[block], true});
       } else {
         splitter.split(grid.pixels_of(column, row), labels.labels, patches);
       }
@@ -62,17 +103,12 @@ void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vec
   }
 }
 
-std::vector<PlaneRegion> refit_regions(const std::vector<RegionPatch>& patches, int count) {
-  std::vector<PlaneRegion> regions(static_cast<std::size_t>(count));
-  std::vector<PlaneMoments> contested(regions.size());
-  for (const RegionPatch& patch : patches) {
-    const auto i = static_cast<std::size_t>(patch.region);
-    (patch.contested ? contested[i] : regions[i].moments) += patch.moments;
-    regions[i].support += patch.moments.pixels;
-  }
-  for (std::size_t i = 0; i < regions.size(); ++i) {
-    if (!fit_plane(regions[i].moments).valid) regions[i].moments += contested[i];
-    regions[i].plane = fit_plane(regions[i].moments).plane;
+std::vector<PlaneRegion> refit_regions(std::vector<RegionPatch>& patches, int count) {
+  std::vector<PlaneRegion> regions = fit_regions(patches, static_cast<std::size_t>(count));
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
+    trim(regions, patches);
+    regions = fit_regions(patches, regions.size());
   }
   return regions;
 }
@@ -85,7 +121,7 @@ std::vector<PlaneScatter> scatter_of_regions(const std::vector<RegionPatch>& pat
     PlaneScatter& scatter = scatters[static_cast<std::size_t>(patch.region)];
     const PlaneMoments& m = patch.moments;
     scatter.point_sum += m.pixels * Eigen::Vector3d(m.a, m.b, m.weight) / m.w;
-    if (patch.contested) continue;
+    if (!patch.fitted) continue;
     const Eigen::Vector3d score = m.score(regions[static_cast<std::size_t>(patch.region)].plane);
     scatter.clusters += 1;
     scatter.scores += score * score.transpose();

@@ -10,23 +10,23 @@ namespace eg::features {
 /// The part of a region that lies in one block.
 struct RegionPatch {
   int region = 0;
-  PlaneMoments moments;    ///< weighted by the sensor's noise
-  bool contested = false;  ///< other regions are in the block, too
+  PlaneMoments moments;  ///< weighted by the sensor's noise
+  bool fitted = true;    ///< whether the region's plane is fitted to it; else it only counts as support
 };
 
 /// Every region's patches, block by block. Whole blocks reuse the block's moments; only blocks with a boundary are read
 /// again.
 void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vector<RegionPatch>& patches);
 
-/// Regions 0 to `count` - 1 with the planes that fit their pixels. Contested blocks count as support but are left out
-/// of the fit: at a crease a pixel goes to the plane that its noise takes it to, and such a choice would bias the
-/// planes.
-std::vector<PlaneRegion> refit_regions(const std::vector<RegionPatch>& patches, int count);
+/// Regions 0 to `count` - 1 with the planes that fit their pixels, but for two kinds of patches, which it marks.
+/// Patches beside other regions: at a crease a pixel goes to the plane that its noise takes it to, and such a choice
+/// would bias the planes. And patches that are much worse than the region's median: a door a little behind its wall.
+std::vector<PlaneRegion> refit_regions(std::vector<RegionPatch>& patches, int count);
 
 /// Sums that the covariance of one region's plane is made of.
 struct PlaneScatter {
-  int clusters = 0;                                     ///< patches that were counted
-  Eigen::Matrix3d scores = Eigen::Matrix3d::Zero();     ///< sum of score · scoreᵀ over patches
+  int clusters = 0;                                     ///< patches that the plane is fitted to
+  Eigen::Matrix3d scores = Eigen::Matrix3d::Zero();     ///< sum of score · scoreᵀ over those patches
   Eigen::Vector3d point_sum = Eigen::Vector3d::Zero();  ///< sum of the pixels' points, metres
 };
 
