@@ -5,7 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <iterator>
+#include <sstream>
+#include <utility>
 
 namespace eg::io {
 namespace {
@@ -35,9 +36,10 @@ base::Result<std::string> read_file(const std::filesystem::path& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) return base::fail(path.string() + ": cannot be read: " + std::strerror(errno));
-  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::ostringstream bytes;
+  if (file.peek() != std::ifstream::traits_type::eof()) bytes << file.rdbuf();
   if (file.bad()) return base::fail(path.string() + ": cannot be read: " + std::strerror(errno));
-  return bytes;
+  return std::move(bytes).str();
 }
 
 std::vector<TextLine> content_lines(std::string_view text) {
