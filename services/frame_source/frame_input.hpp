@@ -15,7 +15,7 @@ namespace eg::services {
 /// What the frame source reads from.
 struct InputOptions {
   std::string dataset = "synthetic:room";  ///< folder of a recording, or synthetic:SCENE
-  std::string camera;                      ///< name or YAML file; empty: found from the data set
+  std::string camera = {};                 ///< name or YAML file; empty: found from the data set
   std::int64_t max_frames = 0;             ///< 0: all
   std::int64_t seed = 1;                   ///< of synthetic textures and noise
   bool noise = true;                       ///< synthetic frames with the noise of a structured-light camera
