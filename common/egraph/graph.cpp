@@ -1,7 +1,8 @@
 #include "common/egraph/graph.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <string>
+#include <utility>
 
 #include "common/egraph/rotation_solver.hpp"
 #include "common/geometry/so3.hpp"
@@ -14,6 +15,10 @@ auto lower_bound_by_id(Node& nodes, Id id) {
   return std::lower_bound(nodes.begin(), nodes.end(), id, [](const auto& node, Id value) { return node.id < value; });
 }
 
+base::Status unknown_landmark(LandmarkId id) {
+  return base::fail("graph holds an observation of landmark " + std::to_string(id.value) + ", which does not exist");
+}
+
 }  // namespace
 
 base::Status Graph::apply(const GraphUpdate& update) {
@@ -21,6 +26,16 @@ base::Status Graph::apply(const GraphUpdate& update) {
   if (update.base_version != version_) {
     return base::fail("graph update starts at version " + std::to_string(update.base_version) + ", the graph is at " +
                       std::to_string(version_));
+  }
+  if (!keyframes_.empty() && update.keyframe.id <= keyframes_.back().id) {
+    return base::fail("graph update brings keyframe " + std::to_string(update.keyframe.id.value) + " a second time");
+  }
+  for (const Observation& observation : update.observations) {
+    const auto is_observed = [&](const DirectionLandmark& landmark) { return landmark.id == observation.landmark; };
+    if (find_landmark(observation.landmark) == nullptr &&
+        std::none_of(update.landmarks.begin(), update.landmarks.end(), is_observed)) {
+      return unknown_landmark(observation.landmark);
+    }
   }
   version_ = update.version;
   keyframes_.push_back(update.keyframe);
@@ -34,14 +49,21 @@ base::Status Graph::apply(const GraphUpdate& update) {
   return {};
 }
 
-void Graph::reset(const GraphSnapshot& snapshot) {
-  *this = Graph();
-  version_ = snapshot.version;
-  keyframes_ = snapshot.keyframes;
-  edges_ = snapshot.edges;
-  covisibility_ = snapshot.covisibility;
-  for (const DirectionLandmark& landmark : snapshot.landmarks) put_landmark(landmark);
-  for (const Observation& observation : snapshot.observations) put_observation(observation);
+base::Status Graph::reset(const GraphSnapshot& snapshot) {
+  Graph graph;
+  graph.version_ = snapshot.version;
+  graph.keyframes_ = snapshot.keyframes;
+  graph.edges_ = snapshot.edges;
+  graph.covisibility_ = snapshot.covisibility;
+  std::sort(graph.keyframes_.begin(), graph.keyframes_.end(),
+            [](const KeyframeNode& a, const KeyframeNode& b) { return a.id < b.id; });
+  for (const DirectionLandmark& landmark : snapshot.landmarks) graph.put_landmark(landmark);
+  for (const Observation& observation : snapshot.observations) {
+    if (graph.find_landmark(observation.landmark) == nullptr) return unknown_landmark(observation.landmark);
+    graph.put_observation(observation);
+  }
+  *this = std::move(graph);
+  return {};
 }
 
 GraphSnapshot Graph::snapshot(std::int64_t session) const {

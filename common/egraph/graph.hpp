@@ -14,11 +14,12 @@ namespace eg::egraph {
 /// every receiver. It changes by updates only, each of which leads from one version to the next.
 class Graph {
  public:
-  /// Refuses an update that does not start at this version (a gap: ask for a snapshot). One already applied is ignored.
+  /// Refuses an update that does not start at this version (a gap: ask for a snapshot), and one that refers to what
+  /// does not exist; the graph is then as before. One already applied is ignored.
   base::Status apply(const GraphUpdate& update);
 
-  /// Takes over a whole graph.
-  void reset(const GraphSnapshot& snapshot);
+  /// Takes over a whole graph. Refuses one that refers to what does not exist; the graph is then as before.
+  base::Status reset(const GraphSnapshot& snapshot);
 
   [[nodiscard]] GraphSnapshot snapshot(std::int64_t session) const;
   [[nodiscard]] std::int64_t version() const { return version_; }

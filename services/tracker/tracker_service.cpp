@@ -63,7 +63,10 @@ void TrackerService::on_graph_update(const egraph::GraphUpdate& update) {
 
 void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& snapshot) {
   if (snapshot.session != session_ || snapshot.version <= tracker_.graph().version()) return;
-  tracker_.graph().reset(snapshot);
+  if (const auto taken = tracker_.graph().reset(snapshot); !taken) {
+    context_.status().count_rejected("EGRAPH: " + taken.error().message);
+    return;
+  }
   forget_confirmed_keyframes();
   track_waiting_frames();
 }
