@@ -141,14 +141,12 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   // Parts of a plane may be small until they are joined.
   BlockClusters clusters = cluster_blocks(grid, tolerance, 0.2 * min_support, kMaxRegions);
   merge_continuous(grid, warp_tolerance, noise * options_.max_step, clusters);
-  renumber(merge_coplanar(clusters.regions, coplanar_tolerance), clusters.region_of_block);
+  merge_coplanar(grid, coplanar_tolerance, clusters);
   grower.grow(grid, clusters, tolerance, options_.max_growth_error, labels);
 
   collect_patches(grid, labels, patches);
   std::vector<PlaneRegion> regions = refit_regions(patches, static_cast<int>(clusters.regions.size()));
-  std::vector<int> place = merge_coplanar(regions, coplanar_tolerance);
-  renumber(rank(regions, min_support), place);
-  relabel(place, patches, labels.labels);
+  relabel(rank(regions, min_support), patches, labels.labels);
 
   PlaneExtraction result;
   const std::vector<PlaneScatter> scatters = scatter_of_regions(patches, regions);

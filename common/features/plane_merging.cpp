@@ -8,6 +8,9 @@
 namespace eg::features {
 namespace {
 
+/// Fewer contacts say nothing about how two regions meet.
+constexpr int kFewestContacts = 2;
+
 /// Two neighbouring blocks of different regions.
 struct Contact {
   int region_a = 0;
@@ -58,7 +61,6 @@ std::pair<int, int> best_pair(const std::vector<Contact>& contacts, const std::v
   std::pair<int, int> best{-1, -1};
   double best_error = 0;
   for (const auto& [pair, step] : steps) {
-    constexpr int kFewestContacts = 2;
     if (step.second < kFewestContacts || step.first > max_step * max_step * step.second) continue;
     const auto fit = fit_union(regions[static_cast<std::size_t>(pair.first)].moments,
                                regions[static_cast<std::size_t>(pair.second)].moments, tolerance);
@@ -70,39 +72,51 @@ std::pair<int, int> best_pair(const std::vector<Contact>& contacts, const std::v
   return best;
 }
 
-}  // namespace
-
-std::vector<int> merge_coplanar(std::vector<PlaneRegion>& regions, const PlaneTolerance& tolerance) {
-  std::vector<int> order(regions.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
-    return regions[static_cast<std::size_t>(i)].moments.pixels > regions[static_cast<std::size_t>(j)].moments.pixels;
-  });
-  std::vector<int> new_index(regions.size(), -1);
-  std::vector<PlaneRegion> merged;
-  for (const int i : order) {
-    const PlaneRegion& region = regions[static_cast<std::size_t>(i)];
-    // Of all larger planes, the one that the union fits best.
-    int best = -1;
-    double best_error = 0;
-    for (std::size_t j = 0; j < merged.size(); ++j) {
-      const auto fit = fit_union(merged[j].moments, region.moments, tolerance);
-      if (fit && (best < 0 || fit->mean_squared_error < best_error)) {
-        best = static_cast<int>(j);
-        best_error = fit->mean_squared_error;
-      }
+/// Which regions share a border.
+class TouchTable {
+ public:
+  TouchTable(const std::vector<Contact>& contacts, std::size_t count) : count_(count), contacts_(count * count, 0) {
+    for (const Contact& contact : contacts) {
+      const auto a = static_cast<std::size_t>(contact.region_a);
+      const auto b = static_cast<std::size_t>(contact.region_b);
+      ++contacts_[a * count_ + b];
+      ++contacts_[b * count_ + a];
     }
-    if (best < 0) {
-      best = static_cast<int>(merged.size());
-      merged.push_back(region);
-    } else {
-      merged[static_cast<std::size_t>(best)].join(region);
-    }
-    new_index[static_cast<std::size_t>(i)] = best;
   }
-  regions = std::move(merged);
-  return new_index;
+
+  [[nodiscard]] bool touch(std::size_t a, std::size_t b) const { return contacts_[a * count_ + b] >= kFewestContacts; }
+
+  /// From now on, `a` touches whatever `b` touches.
+  void join(std::size_t a, std::size_t b) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      contacts_[a * count_ + i] += contacts_[b * count_ + i];
+      contacts_[i * count_ + a] = contacts_[a * count_ + i];
+    }
+  }
+
+ private:
+  std::size_t count_;
+  std::vector<int> contacts_;
+};
+
+/// The best partner for `region` among those before it in `regions`; -1: none.
+int coplanar_partner(const std::vector<PlaneRegion>& regions, std::size_t region, const std::vector<int>& new_index,
+                     const TouchTable& table, const PlaneTolerance& tolerance) {
+  int best = -1;
+  double best_error = 0;
+  for (std::size_t i = 0; i < region; ++i) {
+    const bool merged_away = new_index[i] != static_cast<int>(i);
+    if (merged_away || table.touch(i, region)) continue;
+    const auto fit = fit_union(regions[i].moments, regions[region].moments, tolerance);
+    if (fit && (best < 0 || fit->mean_squared_error < best_error)) {
+      best = static_cast<int>(i);
+      best_error = fit->mean_squared_error;
+    }
+  }
+  return best;
 }
+
+}  // namespace
 
 void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, double max_step,
                       BlockClusters& clusters) {
@@ -124,6 +138,22 @@ void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, do
       contact.region_b = new_index[static_cast<std::size_t>(contact.region_b)];
     }
   }
+}
+
+void merge_coplanar(const BlockGrid& grid, const PlaneTolerance& tolerance, BlockClusters& clusters) {
+  std::vector<PlaneRegion>& regions = clusters.regions;
+  TouchTable table(find_contacts(grid, clusters.region_of_block), regions.size());
+  std::vector<int> new_index(regions.size());
+  for (std::size_t region = 0; region < regions.size(); ++region) {
+    new_index[region] = static_cast<int>(region);
+    const int partner = coplanar_partner(regions, region, new_index, table, tolerance);
+    if (partner < 0) continue;
+    new_index[region] = partner;
+    regions[static_cast<std::size_t>(partner)].join(regions[region]);
+    regions[region] = {};
+    table.join(static_cast<std::size_t>(partner), region);
+  }
+  renumber(new_index, clusters.region_of_block);
 }
 
 void renumber(const std::vector<int>& new_index, std::vector<int>& indices) {

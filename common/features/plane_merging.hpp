@@ -6,13 +6,13 @@
 
 namespace eg::features {
 
-/// Joins regions that lie on one plane wherever they are in the image (a wall behind a pillar). Returns the new index
-/// of each old region.
-std::vector<int> merge_coplanar(std::vector<PlaneRegion>& regions, const PlaneTolerance& tolerance);
-
 /// Joins regions that touch without a step and are one plane within a wider tolerance: real walls are wavy, and the
 /// sensor bends flat ones. `max_step` is in standard deviations of a reading.
 void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, double max_step, BlockClusters& clusters);
+
+/// Joins regions that lie on one plane but do not touch (a wall behind a pillar). Where regions touch, merge_continuous
+/// has decided already.
+void merge_coplanar(const BlockGrid& grid, const PlaneTolerance& tolerance, BlockClusters& clusters);
 
 /// Replaces every index i >= 0 by new_index[i].
 void renumber(const std::vector<int>& new_index, std::vector<int>& indices);
