@@ -22,6 +22,12 @@ cv::Point fixed_point(const cv::Point2d& pixel) {
 
 }  // namespace
 
+std::vector<Eigen::Vector3d> points_of(std::span<const Path> paths) {
+  std::vector<Eigen::Vector3d> points;
+  for (const Path& path : paths) points.insert(points.end(), path.points.begin(), path.points.end());
+  return points;
+}
+
 void draw_line(cv::Mat& image, const cv::Point2d& from, const cv::Point2d& to, const cv::Scalar& colour,
                int thickness) {
   cv::line(image, fixed_point(from), fixed_point(to), colour, thickness, cv::LINE_AA, kSubpixelBits);

@@ -35,15 +35,14 @@ std::array<Plot, 3> plots_for(const RenderOptions& options) {
 
 cv::Mat plot_paths(std::span<const Path> paths, const RenderOptions& options, int width, int height) {
   constexpr int kMargin = 36;
-  std::vector<Eigen::Vector3d> points;
-  for (const Path& path : paths) points.insert(points.end(), path.points.begin(), path.points.end());
+  const std::vector<Eigen::Vector3d> points = points_of(paths);
   cv::Mat image(height, width, CV_8UC3, kPaper);
   const std::array<Plot, 3> plots = plots_for(options);
   for (std::size_t i = 0; i < plots.size(); ++i) {
     const int left = width * static_cast<int>(i) / 3, right = width * static_cast<int>(i + 1) / 3;
     cv::Mat panel = image.colRange(left, right);
     OrthographicView view = plots[i].view;
-    view.fit(points, {kMargin, kMargin, panel.cols - 2 * kMargin, panel.rows - 2 * kMargin});
+    view.fit({}, points, {kMargin, kMargin, panel.cols - 2 * kMargin, panel.rows - 2 * kMargin});
     for (const Path& path : paths) draw_path(panel, path, view, 1);
     cv::rectangle(panel, {0, 0, panel.cols, panel.rows}, kFrameColour);
     draw_text(panel, plots[i].title, {12, 20}, kInk);

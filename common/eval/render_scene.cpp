@@ -14,7 +14,8 @@ namespace {
 // Everything is drawn this much larger and then averaged, against jagged edges.
 constexpr int kOversampling = 2;
 constexpr int kMargin = 40;
-const cv::Vec3b kBackground(255, 255, 255);
+// Not white, so that what was never seen does not look like white furniture.
+const cv::Vec3b kBackground(238, 230, 224);
 const cv::Vec3f kUncoloured(190, 190, 190);
 const cv::Scalar kKeyframeColour(40, 40, 40);
 
@@ -64,11 +65,9 @@ void draw_surface(const ColouredSurface& surface, const OrthographicView& view, 
   }
 }
 
-std::vector<Eigen::Vector3d> extent_of(const ColouredSurface& surface, std::span<const Path> paths) {
+std::vector<Eigen::Vector3d> points_of(const ColouredSurface& surface) {
   std::vector<Eigen::Vector3d> points;
   for (const Eigen::Vector3f& vertex : surface.shape.vertices) points.push_back(vertex.cast<double>());
-  if (!points.empty()) return points;
-  for (const Path& path : paths) points.insert(points.end(), path.points.begin(), path.points.end());
   return points;
 }
 
@@ -100,7 +99,7 @@ cv::Mat render_scene(const ColouredSurface& surface, std::span<const Path> paths
   OrthographicView view(options.up, options.ahead, options.azimuth, options.elevation, options.mirrored);
   const cv::Size size(options.width * kOversampling, options.height * kOversampling);
   const int margin = kMargin * kOversampling;
-  view.fit(extent_of(surface, paths), {margin, margin, size.width - 2 * margin, size.height - 2 * margin});
+  view.fit(points_of(surface), points_of(paths), {margin, margin, size.width - 2 * margin, size.height - 2 * margin});
 
   Rasterizer rasterizer(size, kBackground);
   draw_surface(surface, view, Light(options.up, view.forward()), rasterizer);

@@ -3,28 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <limits>
 #include <vector>
 
 #include "common/geometry/so3.hpp"
 
 namespace eg::eval {
-namespace {
-
-/// The interval of all values; of all but 1 % at each side where that makes it much shorter, because those are
-/// outliers.
-std::pair<double, double> interval_without_outliers(std::vector<double> values) {
-  constexpr double kMuchShorter = 0.3;
-  std::sort(values.begin(), values.end());
-  const std::size_t cut = values.size() / 100;
-  const double low = values[cut], high = values[values.size() - 1 - cut];
-  const double longest_tail = kMuchShorter * (high - low);
-  return {low - values.front() <= longest_tail ? values.front() : low,
-          values.back() - high <= longest_tail ? values.back() : high};
-}
-
-}  // namespace
-
 OrthographicView::OrthographicView(const Eigen::Vector3d& up, const Eigen::Vector3d& ahead, double azimuth,
                                    double elevation, bool mirrored) {
   Eigen::Vector3d level = ahead - ahead.dot(up) * up;
@@ -36,15 +20,32 @@ OrthographicView::OrthographicView(const Eigen::Vector3d& up, const Eigen::Vecto
   down_ = -(std::cos(elevation) * up + std::sin(elevation) * level);
 }
 
-void OrthographicView::fit(std::span<const Eigen::Vector3d> points, const cv::Rect& rectangle) {
-  if (points.empty()) return;
-  std::vector<double> across, downward;
-  for (const Eigen::Vector3d& point : points) {
-    across.push_back(right_.dot(point));
-    downward.push_back(down_.dot(point));
+OrthographicView::Interval OrthographicView::extent(std::span<const Eigen::Vector3d> surface,
+                                                    std::span<const Eigen::Vector3d> paths,
+                                                    const Eigen::Vector3d& axis) {
+  Interval interval{std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};
+  std::vector<double> values;
+  for (const Eigen::Vector3d& point : surface) values.push_back(axis.dot(point));
+  if (!values.empty()) {
+    constexpr double kLongestTail = 0.3;  // of the rest; what reaches further out is an outlier
+    std::sort(values.begin(), values.end());
+    const std::size_t cut = values.size() / 100;
+    const double low = values[cut], high = values[values.size() - 1 - cut];
+    const double longest_tail = kLongestTail * (high - low);
+    interval = {low - values.front() <= longest_tail ? values.front() : low,
+                values.back() - high <= longest_tail ? values.back() : high};
   }
-  const auto [left, right] = interval_without_outliers(std::move(across));
-  const auto [top, bottom] = interval_without_outliers(std::move(downward));
+  for (const Eigen::Vector3d& point : paths) {
+    interval = {std::min(interval.low, axis.dot(point)), std::max(interval.high, axis.dot(point))};
+  }
+  return interval;
+}
+
+void OrthographicView::fit(std::span<const Eigen::Vector3d> surface, std::span<const Eigen::Vector3d> paths,
+                           const cv::Rect& rectangle) {
+  if (surface.empty() && paths.empty()) return;
+  const auto [left, right] = extent(surface, paths, right_);
+  const auto [top, bottom] = extent(surface, paths, down_);
   constexpr double kSmallestExtent = 1e-3;
   scale_ = std::min(rectangle.width / std::max(right - left, kSmallestExtent),
                     rectangle.height / std::max(bottom - top, kSmallestExtent));

@@ -13,9 +13,9 @@ class OrthographicView {
   /// coordinates are left-handed (docs/frames.md), left and right are swapped to show the room as it is.
   OrthographicView(const Eigen::Vector3d& up, const Eigen::Vector3d& ahead, double azimuth, double elevation,
                    bool mirrored);
-  /// Chooses scale and centre so that nearly all points (but 1 % at each side, which may be outliers) fill the
-  /// rectangle.
-  void fit(std::span<const Eigen::Vector3d> points, const cv::Rect& rectangle);
+  /// Chooses scale and centre so that the points fill the rectangle: all `paths`, and the `surface` but for up to 1 %
+  /// of it at each side that lies far out.
+  void fit(std::span<const Eigen::Vector3d> surface, std::span<const Eigen::Vector3d> paths, const cv::Rect& rectangle);
 
   [[nodiscard]] cv::Point2d pixel(const Eigen::Vector3d& point) const;
   /// Distance along the line of sight, metres, from anywhere.
@@ -24,6 +24,12 @@ class OrthographicView {
   [[nodiscard]] double pixels_per_metre() const { return scale_; }
 
  private:
+  struct Interval {
+    double low, high;
+  };
+  [[nodiscard]] static Interval extent(std::span<const Eigen::Vector3d> surface, std::span<const Eigen::Vector3d> paths,
+                                       const Eigen::Vector3d& axis);
+
   Eigen::Vector3d right_, down_, forward_;
   double scale_ = 1.0;
   cv::Point2d offset_{0.0, 0.0};
