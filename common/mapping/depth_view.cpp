@@ -61,7 +61,7 @@ std::vector<float> DepthView::block_means() const {
           high = std::max(high, inverse[column]);
         }
       }
-      if (low > 0.0F && high - low <= kBlock * continuity_ * high * low) means[block(x, y)] = sum / (kBlock * kBlock);
+      if (low > 0.0F && !is_depth_edge(low, high, kBlock * continuity_)) means[block(x, y)] = sum / (kBlock * kBlock);
     }
   }
   return means;

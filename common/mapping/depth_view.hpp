@@ -22,12 +22,20 @@ class DepthView {
   /// 1 / depth of a pixel, 1/m; 0 where there is no usable reading.
   [[nodiscard]] float inverse_depth(int x, int y) const { return inverse_depth_[index(x, y)]; }
 
-  /// 1 / depth at a position between pixels; 0 where there is none. Bilinear in the inverse depth, which is exact on
-  /// planes; beside a depth edge or a missing reading, where a mean would be no surface, the nearest pixel's.
-  [[nodiscard]] float inverse_depth_at(float u, float v) const {
+  /// What is seen at a position between pixels.
+  struct Sample {
+    float inverse_depth = 0.0F;  ///< 1/m; 0 where there is nothing
+    /// Distance from the surface per difference of depth: the cosine of the angle between its normal and the optical
+    /// axis, over that of the pixel's ray. Known by blocks of pixels.
+    float obliqueness = 1.0F;
+  };
+
+  /// Bilinear in the inverse depth, which is exact on planes; beside a depth edge or a missing reading, where a mean
+  /// would be no surface, the nearest pixel's.
+  [[nodiscard]] Sample sample(float u, float v) const {
     const auto right = static_cast<float>(width_ - 1);
     const auto bottom = static_cast<float>(height_ - 1);
-    if (!(u >= 0.0F && v >= 0.0F && u < right && v < bottom)) return 0.0F;  // so written that NaN is outside
+    if (!(u >= 0.0F && v >= 0.0F && u < right && v < bottom)) return {};  // so written that NaN is outside
     const int x = static_cast<int>(u);
     const int y = static_cast<int>(v);
     const float* above = &inverse_depth_[index(x, y)];
@@ -36,18 +44,17 @@ class DepthView {
     const float dv = v - static_cast<float>(y);
     const float low = std::min(std::min(above[0], above[1]), std::min(below[0], below[1]));
     const float high = std::max(std::max(above[0], above[1]), std::max(below[0], below[1]));
-    if (is_depth_edge(low, high)) return (dv < 0.5F ? above : below)[du < 0.5F ? 0 : 1];
+    const float obliqueness = obliqueness_[block(x / kBlock, y / kBlock)];
+    if (is_depth_edge(low, high, continuity_ / obliqueness)) {
+      return {(dv < 0.5F ? above : below)[du < 0.5F ? 0 : 1], obliqueness};
+    }
     const float upper = above[0] + du * (above[1] - above[0]);
     const float lower = below[0] + du * (below[1] - below[0]);
-    return upper + dv * (lower - upper);
+    return {upper + dv * (lower - upper), obliqueness};
   }
 
-  /// Distance from the surface seen at a position per difference of depth: the cosine of the angle between the
-  /// surface's normal and the optical axis, over that of the pixel's ray. One value per block of pixels; 1 at depth
-  /// edges.
-  [[nodiscard]] float obliqueness_at(float u, float v) const {
-    return obliqueness_[block(static_cast<int>(u) / kBlock, static_cast<int>(v) / kBlock)];
-  }
+  /// Sample::obliqueness at a pixel.
+  [[nodiscard]] float obliqueness(int x, int y) const { return obliqueness_[block(x / kBlock, y / kBlock)]; }
 
   /// Colour of the pixel nearest to a position inside the image.
   [[nodiscard]] Colour colour_at(float u, float v) const {
@@ -63,8 +70,10 @@ class DepthView {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
 
-  /// Whether depths from 1 / high to 1 / low are too far apart for one surface. Always if `low` is 0: no reading.
-  [[nodiscard]] bool is_depth_edge(float low, float high) const { return high - low > continuity_ * high * low; }
+  /// Whether depths from 1 / high to 1 / low differ by more than `limit` metres. Always if `low` is 0: no reading.
+  [[nodiscard]] static bool is_depth_edge(float low, float high, float limit) {
+    return high - low > limit * high * low;
+  }
 
   [[nodiscard]] std::size_t block(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_x_) + static_cast<std::size_t>(x);
@@ -79,7 +88,7 @@ class DepthView {
   int height_;
   int blocks_x_;
   int blocks_y_;
-  float continuity_;  ///< metres: neighbouring readings that differ by more lie on different surfaces
+  float continuity_;  ///< metres; seen frontally, neighbouring readings that differ by more lie on different surfaces
   std::vector<float> inverse_depth_;
   std::vector<float> obliqueness_;
   cv::Mat colour_;

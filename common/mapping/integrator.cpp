@@ -55,10 +55,10 @@ class VoxelObserver {
     const float inverse_z = 1.0F / point_in_camera.z();
     const float u = fx_ * point_in_camera.x() * inverse_z + cx_;
     const float v = fy_ * point_in_camera.y() * inverse_z + cy_;
-    const float inverse_depth = view_.inverse_depth_at(u, v);
-    if (inverse_depth == 0.0F) return {};
-    const float depth = 1.0F / inverse_depth;
-    const float distance = (depth - point_in_camera.z()) * view_.obliqueness_at(u, v);
+    const DepthView::Sample seen = view_.sample(u, v);
+    if (seen.inverse_depth == 0.0F) return {};
+    const float depth = 1.0F / seen.inverse_depth;
+    const float distance = (depth - point_in_camera.z()) * seen.obliqueness;
     if (std::abs(distance) > widest_band_) return {};
     const auto band = static_cast<float>(band_half_width(options_, depth));
     if (std::abs(distance) > band) return {};

@@ -133,8 +133,7 @@ std::vector<Eigen::Vector3i> leaves_near_surface(const DepthView& view, const ge
         const float inverse_depth = view.inverse_depth(x, y);
         if (inverse_depth == 0.0F) continue;
         const float depth = 1.0F / inverse_depth;
-        const auto band = static_cast<float>(band_half_width(options, depth)) /
-                          view.obliqueness_at(static_cast<float>(x), static_cast<float>(y));
+        const auto band = static_cast<float>(band_half_width(options, depth)) / view.obliqueness(x, y);
         rays.walk(x, y, std::max(0.0F, depth - band), depth + band, previous, leaves);
       }
     }
