@@ -44,10 +44,15 @@ LineOwner find_owner(const cv::Mat& depth, const Segment& segment, int stations)
   return left >= right ? LineOwner::left : LineOwner::right;
 }
 
-void add_sample(LineDepthSamples& result, double fraction, double across, double z) {
+/// Adds the reading `z` of the pixel nearest to `pixel`, at the place of that pixel's centre relative to the segment.
+void add_sample(LineDepthSamples& result, const Segment& segment, const Eigen::Vector2d& step,
+                const Eigen::Vector2d& pixel, double z) {
   ++result.expected;
   if (z <= 0.0) return;
-  result.samples.push_back({2.0 * fraction - 1.0, across, 1.0 / z, geometry::depth_sigma(z) / (z * z)});
+  const Eigen::Vector2d centre(std::lround(pixel.x()), std::lround(pixel.y()));
+  const double along = 2.0 * segment.unit().dot(centre - segment.at(0.5)) / segment.length();
+  const double across = step.dot(centre - segment.start);
+  result.samples.push_back({along, across, 1.0 / z, geometry::depth_sigma(z) / (z * z)});
 }
 
 /// Depth on the segment itself, or the mean of its two sides if the pixel has none.
@@ -66,17 +71,12 @@ LineDepthSamples sample_line_depth(const cv::Mat& depth, const Segment& segment)
   LineDepthSamples result;
   result.owner = find_owner(depth, segment, stations);
   const Eigen::Vector2d step = (result.owner == LineOwner::left ? -1.0 : 1.0) * segment.normal();
-  if (result.owner == LineOwner::both) {
+  const bool on_segment = result.owner == LineOwner::both;
+  for (const double across : on_segment ? std::vector{0.0} : std::vector{kNear, kFar}) {
     for (int i = 0; i < stations; ++i) {
-      const double fraction = station_fraction(i, stations);
-      add_sample(result, fraction, 0.0, depth_on(depth, segment.at(fraction), kNear * step));
-    }
-    return result;
-  }
-  for (const double across : {kNear, kFar}) {
-    for (int i = 0; i < stations; ++i) {
-      const double fraction = station_fraction(i, stations);
-      add_sample(result, fraction, across, depth_at(depth, segment.at(fraction) + across * step));
+      const Eigen::Vector2d pixel = segment.at(station_fraction(i, stations)) + across * step;
+      const double z = on_segment ? depth_on(depth, pixel, kNear * step) : depth_at(depth, pixel);
+      add_sample(result, segment, step, pixel, z);
     }
   }
   return result;

@@ -13,7 +13,7 @@ enum class LineOwner { both, left, right };
 /// One depth reading beside a segment, as inverse depth, in which a line in space is linear along its image.
 struct LineDepthSample {
   double along = 0.0;          ///< position on the segment: -1 at its start, 1 at its end
-  double across = 0.0;         ///< distance from the segment on the owner's side, pixels; 0 on the segment itself
+  double across = 0.0;         ///< distance from the segment towards the owner's side, pixels
   double inverse_depth = 0.0;  ///< 1/m
   double sigma = 0.0;          ///< 1/m, of the sensor's noise
 };

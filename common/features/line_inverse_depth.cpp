@@ -115,11 +115,12 @@ double covariance_scale(const Samples& inliers, const Eigen::Vector3d& model) {
   double squares = 0.0;
   double products = 0.0;
   double previous = 0.0;
-  double previous_along = 2.0;
+  double previous_along = 3.0;  // past any end
   for (const LineDepthSample& sample : inliers) {
     const double residual = normalised_residual(sample, model);
     squares += residual * residual;
-    if (sample.along > previous_along) products += previous * residual;  // not across the two rows of samples
+    const bool same_row = sample.along > previous_along - 1.0;
+    if (same_row) products += previous * residual;
     previous = residual;
     previous_along = sample.along;
   }

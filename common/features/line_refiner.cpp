@@ -16,8 +16,8 @@ constexpr int kMaxStations = 64;
 constexpr double kMinGradient = 2.0;         // grey levels per pixel of a peak
 constexpr double kMinPeakShare = 0.5;        // of the stations
 constexpr double kDetectorSigma = 0.6;       // pixels, when the position could not be measured
-constexpr double kSigmaFloor = 0.06;         // pixels: lens, sampling and demosaicing leave that much
-constexpr double kCorrelatedStations = 2.0;  // stations that share noise (smoothing, compression)
+constexpr double kSigmaFloor = 0.05;         // pixels: lens, sampling and demosaicing leave that much
+constexpr double kCorrelatedStations = 1.5;  // stations that share noise (smoothing, compression)
 
 using Profile = std::array<double, 2 * kReach + 1>;
 
