@@ -47,6 +47,9 @@ RenderOptions render_options_for(bool y_up);
 /// ceiling's normal, if the map has them; else the guess. Unit.
 Eigen::Vector3d refine_up(const ColouredSurface& surface, const Eigen::Vector3d& guess);
 
+/// The azimuth (radians) from which most of the surface, by its area in the picture, is seen from its front.
+double best_azimuth(const ColouredSurface& surface, const RenderOptions& options);
+
 /// Looks into the room from above: surfaces are lit from above, those seen from behind (ceiling, near walls) are left
 /// out; paths and keyframes (small view pyramids) are drawn on top. CV_8UC3, BGR, options.width x options.height.
 cv::Mat render_scene(const ColouredSurface& surface, std::span<const Path> paths,
@@ -63,7 +66,7 @@ struct Overview {
   std::span<const geometry::Pose> keyframes;
 };
 
-/// The scene above, the plots below it, with refine_up().
+/// The scene above, the plots below it; refine_up() and best_azimuth() choose the point of view.
 cv::Mat render_overview(const Overview& overview, RenderOptions options);
 
 }  // namespace eg::eval

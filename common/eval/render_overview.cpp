@@ -36,6 +36,7 @@ std::vector<Path> paths_of(const Overview& overview) {
 
 cv::Mat render_overview(const Overview& overview, RenderOptions options) {
   options.up = refine_up(overview.surface, options.up);
+  options.azimuth = best_azimuth(overview.surface, options);
   const std::vector<Path> paths = paths_of(overview);
   const cv::Mat plots = plot_paths(paths, options, options.width, options.height / 3);
   if (overview.surface.shape.triangles.empty()) return plots;

@@ -146,6 +146,20 @@ TEST(RefineUp, KeepsTheGuessWithoutAFloor) {
   EXPECT_EQ(refine_up({}, {0, 1, 0}), Vector3d(0, 1, 0));
 }
 
+TEST(BestAzimuth, LooksAtTheFrontOfAWall) {
+  for (const double angle : {0.0, 1.0, 2.5, -2.0}) {
+    Room wall;
+    wall.add({-1, -1, 4}, {2, 0, 0}, {0, 2, 0}, {0, 0, -1}, {});
+    const Eigen::Matrix3d turn = geometry::so3_exp({0, -angle, 0});
+    for (Vector3f& v : wall.vertices) v = (turn * v.cast<double>()).cast<float>();
+    for (Vector3f& n : wall.normals) n = (turn * n.cast<double>()).cast<float>();
+    const RenderOptions options;
+    const double difference = best_azimuth(wall.surface(), options) - angle;
+    EXPECT_LT(std::abs(std::remainder(difference, 2 * std::numbers::pi)), 8 * kDegree);
+  }
+  EXPECT_EQ(best_azimuth({}, RenderOptions{}), RenderOptions{}.azimuth);
+}
+
 TEST(RenderOverview, AnyPartMayBeMissing) {
   const Room room = make_room();
   std::vector<geometry::StampedPose> estimate, reference;
