@@ -99,10 +99,13 @@ std::string summarise(const std::filesystem::path& out, const RunMonitor& monito
     const eval::TrajectoryErrors& errors = *report.errors;
     text += fmt::format(
         "errors against ground truth over {} poses: ATE {:.4f} m RMSE, ARE {:.3f} deg mean ({:.3f} from the first "
-        "pose), "
-        "RPE over 1 s {:.4f} m and {:.3f} deg RMSE\n",
-        errors.matched_poses, errors.ate_m.rmse, errors.are_aligned_deg.mean, errors.are_first_pose_deg.mean,
-        errors.rpe_translation_m.rmse, errors.rpe_rotation_deg.rmse);
+        "pose)",
+        errors.matched_poses, errors.ate_m.rmse, errors.are_aligned_deg.mean, errors.are_first_pose_deg.mean);
+    if (errors.rpe_translation_m.count > 0) {
+      text += fmt::format(", RPE over 1 s {:.4f} m and {:.3f} deg RMSE", errors.rpe_translation_m.rmse,
+                          errors.rpe_rotation_deg.rmse);
+    }
+    text += '\n';
   }
   return text + fmt::format("results in {}: {}", out.string(), list_files(out));
 }
