@@ -19,7 +19,7 @@ bool is_true(std::string text) {
   return text == "true" || text == "yes";
 }
 
-/// Recursive descent over the grammar in docs/procman.md, with one token of look-ahead.
+/// Recursive descent over the grammar in docs/running.md, with one token of look-ahead.
 class Parser {
  public:
   Parser(std::string_view text, const std::string& file_name) : lexer_(text, file_name) {

@@ -7,7 +7,7 @@
 
 namespace eg::service {
 
-/// The configuration of one service: its section of a YAML file that all services can share (docs/configuration.md).
+/// The configuration of one service: its section of a YAML file that all services can share (docs/running.md).
 class Configuration {
  public:
   explicit Configuration(const ServiceProgram& program);
