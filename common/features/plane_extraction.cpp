@@ -126,6 +126,7 @@ PlaneExtractor& PlaneExtractor::operator=(PlaneExtractor&&) noexcept = default;
 
 PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::CameraModel& camera) {
   EG_CHECK(depth.type() == CV_32FC1, "the depth image holds metres as floats");
+  EG_CHECK(camera.fx != 0.0 && camera.fy != 0.0, "the camera has focal lengths");
   if (depth.empty()) return {{}, cv::Mat(depth.size(), CV_8UC1)};
   auto& [grid, grower, labels, patches] = *buffers_;
   const double min_support = options_.min_support_fraction * static_cast<double>(depth.total());
@@ -133,16 +134,18 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   const PlaneTolerance sensor(camera, options_.lateral_sigma, options_.max_error, 0.0);
   build_blocks(depth, camera, options_, sensor, grid);
   const double noise = noise_level(grid);
-  const PlaneTolerance tolerance(camera, options_.lateral_sigma, noise * options_.max_error, 0.0);
-  const PlaneTolerance coplanar_tolerance(camera, options_.lateral_sigma, noise * options_.max_error,
-                                          noise * options_.flatness);
-  const PlaneTolerance warp_tolerance(camera, options_.lateral_sigma, noise * options_.max_warp_error,
-                                      noise * options_.flatness);
-  // Parts of a plane may be small until they are joined.
-  BlockClusters clusters = cluster_blocks(grid, tolerance, 0.2 * min_support, kMaxRegions);
-  merge_continuous(grid, warp_tolerance, noise * options_.max_step, clusters);
-  merge_coplanar(grid, coplanar_tolerance, clusters);
-  grower.grow(grid, clusters, tolerance, options_.max_growth_error, labels);
+  const auto tolerance = [&](double max_error, double flatness) {
+    return PlaneTolerance(camera, options_.lateral_sigma, noise * max_error, noise * flatness);
+  };
+  const PlaneTolerance flat = tolerance(options_.max_error, 0.0);
+  const PlaneTolerance coplanar = tolerance(options_.max_error, options_.flatness);
+  const PlaneTolerance warped = tolerance(options_.max_warp_error, options_.flatness);
+  const PlaneTolerance step = tolerance(options_.max_step, 0.0);
+  constexpr double kPart = 0.2;  // of the smallest plane: what may still become one by being joined to others
+  BlockClusters clusters = cluster_blocks(grid, flat, kPart * min_support, kMaxRegions);
+  merge_continuous(grid, warped, step, clusters);
+  merge_coplanar(grid, coplanar, clusters);
+  grower.grow(grid, clusters, flat, options_.max_growth_error, labels);
 
   collect_patches(grid, labels, patches);
   std::vector<PlaneRegion> regions = refit_regions(patches, static_cast<int>(clusters.regions.size()));

@@ -11,20 +11,20 @@
 namespace eg::features {
 
 /// Errors along the depth axis are in standard deviations of one reading (geometry::depth_sigma), so one set of values
-/// serves near and far surfaces.
+/// serves near and far surfaces; all of them shrink if the frame has less noise than that (noise_level in
+/// plane_blocks.hpp).
 struct PlaneOptions {
   int block_size = 0;               ///< pixels; 0: 10 for 640x480 and in proportion for other sizes
   double min_valid_fraction = 0.5;  ///< of a block's pixels that need a reading
-  double max_error = 1.5;           ///< largest rms error of a part of a plane, sigma
-  double max_warp_error = 3.0;      ///< the same where parts meet without a step, sigma ...
+  double max_error = 1.5;           ///< largest rms error of a block or of a part of a plane, sigma
+  double max_step = 2.5;            ///< largest mean step between touching parts of one wavy plane, sigma ...
+  double max_warp_error = 3.0;      ///< ... and the largest rms error of such a part, sigma ...
   double flatness = 0.012;          ///< ... plus metres: what real walls and the sensor's warp deviate from a plane
-  double max_step = 4.0;            ///< largest rms step where such parts meet, sigma
   double max_growth_error = 3.0;    ///< largest error of a pixel that joins a region, in the region's rms errors
-  double lateral_sigma =
-      0.8;  ///< pixels; sideways noise, which steep surfaces turn into depth (Nguyen 2012: 0.8 to 0.9)
+  double lateral_sigma = 0.8;       ///< pixels; noise sideways, depth noise on steep surfaces (Nguyen 2012: 0.8 to 0.9)
   double min_support_fraction = 0.01;  ///< of the image's pixels: the smallest plane that is reported
-  double systematic_angle = 0.005;     ///< radians; what the sensor's calibration leaves in a normal, one sigma
-  double systematic_distance = 0.003;  ///< relative; what it leaves in a distance, one sigma
+  double systematic_angle = 0.005;     ///< radians; what the sensor's warp and calibration leave in a normal, one sigma
+  double systematic_distance = 0.003;  ///< relative; what they leave in a distance, one sigma
 };
 
 /// Says which option is out of range.

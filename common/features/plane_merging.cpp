@@ -1,6 +1,7 @@
 #include "common/features/plane_merging.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -15,24 +16,31 @@ constexpr int kFewestContacts = 2;
 struct Contact {
   int region_a = 0;
   int region_b = 0;
-  Eigen::Vector3d ray = Eigen::Vector3d::Zero();  ///< between the blocks
-  double inverse_depth = 0;
+  double step = 0;  ///< from a to b halfway between the blocks, by the blocks' own planes; in limits
 };
 
 Eigen::Vector3d mean_ray(const PlaneMoments& m) { return Eigen::Vector3d(m.a, m.b, m.weight) / m.weight; }
 
+double step_between(const BlockGrid& grid, std::size_t a, std::size_t b, const PlaneTolerance& tolerance) {
+  const Eigen::Vector3d ray = 0.5 * (mean_ray(grid.moments[a]) + mean_ray(grid.moments[b]));
+  const double w = 0.5 * (grid.moments[a].w / grid.moments[a].weight + grid.moments[b].w / grid.moments[b].weight);
+  const InverseDepthPlane& plane_a = grid.fits[a].plane;
+  const InverseDepthPlane& plane_b = grid.fits[b].plane;
+  return (plane_b - plane_a).dot(ray) / std::sqrt(tolerance.squared_limit(w, 0.5 * (plane_a + plane_b)));
+}
+
 /// Contacts across at most one unusable block: those on a crease are mixed and often rejected.
-std::vector<Contact> find_contacts(const BlockGrid& grid, const std::vector<int>& region_of_block) {
+std::vector<Contact> find_contacts(const BlockGrid& grid, const std::vector<int>& region_of_block,
+                                   const PlaneTolerance& step_tolerance) {
   std::vector<Contact> contacts;
   const auto region_of = [&](int block) { return region_of_block[static_cast<std::size_t>(block)]; };
-  const auto look = [&](int block, int step, int room) {
-    int other = block + step;
-    if (room > 1 && region_of(other) < 0) other += step;
+  const auto look = [&](int block, int stride, int room) {
+    int other = block + stride;
+    if (room > 1 && region_of(other) < 0) other += stride;
     if (region_of(other) < 0 || region_of(other) == region_of(block)) return;
-    const PlaneMoments& a = grid.moments[static_cast<std::size_t>(block)];
-    const PlaneMoments& b = grid.moments[static_cast<std::size_t>(other)];
-    contacts.push_back({region_of(block), region_of(other), 0.5 * (mean_ray(a) + mean_ray(b)),
-                        0.5 * (a.w / a.weight + b.w / b.weight)});
+    contacts.push_back(
+        {region_of(block), region_of(other),
+         step_between(grid, static_cast<std::size_t>(block), static_cast<std::size_t>(other), step_tolerance)});
   };
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
@@ -47,21 +55,18 @@ std::vector<Contact> find_contacts(const BlockGrid& grid, const std::vector<int>
 
 /// The pair of touching regions whose union has the smallest error, among those that may be joined; {-1, -1}: none.
 std::pair<int, int> best_pair(const std::vector<Contact>& contacts, const std::vector<PlaneRegion>& regions,
-                              const PlaneTolerance& tolerance, double max_step) {
-  std::map<std::pair<int, int>, std::pair<double, int>> steps;  // sum of squared steps and their number
-  for (const Contact& contact : contacts) {
-    if (contact.region_a == contact.region_b) continue;
-    const InverseDepthPlane& a = regions[static_cast<std::size_t>(contact.region_a)].plane;
-    const InverseDepthPlane& b = regions[static_cast<std::size_t>(contact.region_b)].plane;
-    const double step = (a - b).dot(contact.ray);
-    auto& [sum, count] = steps[std::minmax(contact.region_a, contact.region_b)];
-    sum += step * step / tolerance.variance(contact.inverse_depth, 0.5 * (a + b));
+                              const PlaneTolerance& tolerance) {
+  std::map<std::pair<int, int>, std::pair<double, int>> steps;  // sum of steps from the first to the second, and number
+  for (const auto& [a, b, step] : contacts) {
+    if (a == b) continue;
+    auto& [sum, count] = steps[std::minmax(a, b)];
+    sum += a < b ? step : -step;
     count += 1;
   }
   std::pair<int, int> best{-1, -1};
   double best_error = 0;
   for (const auto& [pair, step] : steps) {
-    if (step.second < kFewestContacts || step.first > max_step * max_step * step.second) continue;
+    if (step.second < kFewestContacts || std::abs(step.first) > step.second) continue;
     const auto fit = fit_union(regions[static_cast<std::size_t>(pair.first)].moments,
                                regions[static_cast<std::size_t>(pair.second)].moments, tolerance);
     if (fit && (best.first < 0 || fit->mean_squared_error < best_error)) {
@@ -118,12 +123,12 @@ int coplanar_partner(const std::vector<PlaneRegion>& regions, std::size_t region
 
 }  // namespace
 
-void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, double max_step,
+void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, const PlaneTolerance& step_tolerance,
                       BlockClusters& clusters) {
   std::vector<PlaneRegion>& regions = clusters.regions;
-  std::vector<Contact> contacts = find_contacts(grid, clusters.region_of_block);
+  std::vector<Contact> contacts = find_contacts(grid, clusters.region_of_block, step_tolerance);
   for (;;) {
-    const auto [kept, removed] = best_pair(contacts, regions, tolerance, max_step);
+    const auto [kept, removed] = best_pair(contacts, regions, tolerance);
     if (kept < 0) return;
     regions[static_cast<std::size_t>(kept)].join(regions[static_cast<std::size_t>(removed)]);
     // Closes the gap in the numbering.
@@ -142,7 +147,7 @@ void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, do
 
 void merge_coplanar(const BlockGrid& grid, const PlaneTolerance& tolerance, BlockClusters& clusters) {
   std::vector<PlaneRegion>& regions = clusters.regions;
-  TouchTable table(find_contacts(grid, clusters.region_of_block), regions.size());
+  TouchTable table(find_contacts(grid, clusters.region_of_block, tolerance), regions.size());
   std::vector<int> new_index(regions.size());
   for (std::size_t region = 0; region < regions.size(); ++region) {
     new_index[region] = static_cast<int>(region);

@@ -7,8 +7,9 @@
 namespace eg::features {
 
 /// Joins regions that touch without a step and are one plane within a wider tolerance: real walls are wavy, and the
-/// sensor bends flat ones. `max_step` is in standard deviations of a reading.
-void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, double max_step, BlockClusters& clusters);
+/// sensor bends flat ones. `step_tolerance` is for the rms step along their border.
+void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, const PlaneTolerance& step_tolerance,
+                      BlockClusters& clusters);
 
 /// Joins regions that lie on one plane but do not touch (a wall behind a pillar). Where regions touch, merge_continuous
 /// has decided already.

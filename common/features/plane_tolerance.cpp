@@ -10,15 +10,17 @@ PlaneTolerance::PlaneTolerance(const geometry::CameraModel& camera, double later
 
 bool PlaneTolerance::accepts(const PlaneMoments& region, const InverseDepthPlane& plane) const {
   const double precision = region.weight / region.pixels;  // 1/variance of one reading's noise along the ray
-  const double w = region.w / region.weight;
-  const double noise = max_squared_error_ * (1.0 + lateral_variance(plane) * precision);
-  const double bumps = squared_flatness_ * w * w * w * w * precision;
-  return region.mean_squared_error(plane) <= noise + bumps;
+  return region.mean_squared_error(plane) <= precision * limit(1.0 / precision, region.w / region.weight, plane);
 }
 
-double PlaneTolerance::variance(double inverse_depth, const InverseDepthPlane& plane) const {
+double PlaneTolerance::squared_limit(double inverse_depth, const InverseDepthPlane& plane) const {
   const double sigma = inverse_depth_sigma(inverse_depth);
-  return sigma * sigma + lateral_variance(plane);
+  return limit(sigma * sigma, inverse_depth, plane);
+}
+
+double PlaneTolerance::limit(double variance, double inverse_depth, const InverseDepthPlane& plane) const {
+  const double squared = inverse_depth * inverse_depth;  // a bump of height h changes the inverse depth w by w² h
+  return max_squared_error_ * (variance + lateral_variance(plane)) + squared_flatness_ * squared * squared;
 }
 
 }  // namespace eg::features

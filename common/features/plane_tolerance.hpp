@@ -23,8 +23,8 @@ class PlaneTolerance {
   /// Whether a region is on `plane`, as a whole.
   [[nodiscard]] bool accepts(const PlaneMoments& region, const InverseDepthPlane& plane) const;
 
-  /// Variance of a single reading of inverse depth on a plane.
-  [[nodiscard]] double variance(double inverse_depth, const InverseDepthPlane& plane) const;
+  /// The largest squared error in units of inverse depth at a place on `plane`.
+  [[nodiscard]] double squared_limit(double inverse_depth, const InverseDepthPlane& plane) const;
 
   /// The part of it that the noise sideways makes.
   [[nodiscard]] double lateral_variance(const InverseDepthPlane& plane) const {
@@ -32,6 +32,9 @@ class PlaneTolerance {
   }
 
  private:
+  /// squared_limit() for a given variance of the noise along the ray.
+  [[nodiscard]] double limit(double variance, double inverse_depth, const InverseDepthPlane& plane) const;
+
   Eigen::Vector3d lateral_;  ///< noise sideways, on the axes of the ray
   double max_squared_error_;
   double squared_flatness_;
