@@ -17,13 +17,22 @@ Eigen::Vector3d image_of(const Eigen::Vector3d& direction, const geometry::Camer
           direction.z()};
 }
 
-/// Distance of the ends from the line through the middle and `point`; its direction is point - w * middle, at any w.
-double error_to(const DirectionalSegment& segment, const Eigen::Vector3d& point) {
+/// Squared distance of the ends from the line through the middle and `point`, as a fraction without a division: that
+/// line's direction is point - w * middle, at any w.
+struct SquaredError {
+  double numerator;
+  double denominator;
+
+  [[nodiscard]] bool at_most(double error) const {
+    return denominator > 0.0 && numerator <= error * error * denominator;
+  }
+};
+
+SquaredError error_to(const DirectionalSegment& segment, const Eigen::Vector3d& point) {
   const double dx = point.x() - point.z() * segment.middle.x();
   const double dy = point.y() - point.z() * segment.middle.y();
-  const double norm = std::sqrt(dx * dx + dy * dy);
-  const double cross = std::abs(dx * segment.half.y() - dy * segment.half.x());
-  return norm > 0.0 ? cross / norm : segment.half.norm();
+  const double cross = dx * segment.half.y() - dy * segment.half.x();
+  return {cross * cross, dx * dx + dy * dy};
 }
 
 std::vector<Eigen::Vector3d> draw_hypotheses(const std::vector<DirectionalSegment>& segments,
@@ -49,7 +58,8 @@ DirectionalSegment directional(const Segment& segment, const geometry::CameraMod
 
 double vanishing_error(const DirectionalSegment& segment, const Eigen::Vector3d& direction,
                        const geometry::CameraModel& camera) {
-  return error_to(segment, image_of(direction, camera));
+  const SquaredError error = error_to(segment, image_of(direction, camera));
+  return error.denominator > 0.0 ? std::sqrt(error.numerator / error.denominator) : segment.half.norm();
 }
 
 std::vector<PreferenceSet> preference_sets(const std::vector<DirectionalSegment>& segments,
@@ -61,7 +71,8 @@ std::vector<PreferenceSet> preference_sets(const std::vector<DirectionalSegment>
   const std::vector<Eigen::Vector3d> points = draw_hypotheses(segments, camera, hypotheses, seed);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     for (std::size_t j = 0; j < points.size(); ++j) {
-      if (error_to(segments[i], points[j]) <= max_error) sets[i][j / 64] |= std::uint64_t{1} << (j % 64);
+      const bool agrees = error_to(segments[i], points[j]).at_most(max_error);
+      sets[i][j / 64] |= std::uint64_t{agrees} << (j % 64);
     }
   }
   return sets;
