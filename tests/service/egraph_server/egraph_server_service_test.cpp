@@ -1,0 +1,194 @@
+#include "services/egraph_server/egraph_server_service.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/io/graph_json.hpp"
+#include "common/messages/channels.hpp"
+#include "tests/support/bus_peer.hpp"
+#include "tests/support/random_geometry.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace eg::services {
+namespace {
+
+namespace channels = messages::channels;
+using Eigen::Vector3d;
+
+/// A keyframe that sees the floor, a wall and the edges between them.
+egraph::Keyframe keyframe(std::int64_t session, int id) {
+  egraph::Keyframe result;
+  result.header = {session, 10 * id, 1'000'000 + 100'000 * id};
+  result.id = egraph::KeyframeId{id};
+  result.world_from_camera = {geometry::so3_exp({0, 0.1 * id, 0}), {0.1 * id, 0, 0}};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d direction = result.world_from_camera.rotation.transpose() * Vector3d::Unit(axis);
+    const auto kind = axis < 2 ? egraph::DirectionKind::plane_normal : egraph::DirectionKind::vanishing_direction;
+    result.directions.push_back({kind, direction, test::tangential_covariance(direction, 0.005), 50, -1});
+    result.plane_distances.push_back(axis < 2 ? 1.0 : std::nan(""));
+  }
+  if (id > 0) result.covisible = {{egraph::KeyframeId{id - 1}, 30}};
+  return result;
+}
+
+class EGraphServer : public testing::Test {
+ protected:
+  explicit EGraphServer(service::ServiceOptions options = {}) : bus_(network_) {
+    options.name = "egraph_server";
+    options.out = folder_.path();
+    context_ = std::make_unique<service::ServiceContext>(bus_, options);
+    service_ = std::make_unique<EGraphServerService>(*context_, egraph::GraphBuilderOptions{});
+  }
+
+  /// Delivers until nobody has anything to say.
+  void settle() {
+    while (bus_.handle(std::chrono::milliseconds(0)).value_or(0) + peer_.handle() > 0) {
+    }
+  }
+
+  void send(const egraph::Keyframe& value) {
+    peer_.send(channels::kKeyframe, value);
+    settle();
+  }
+
+  void ask(std::int64_t session) {
+    peer_.send(channels::kGraphRequest, messages::GraphRequest{session, 0});
+    settle();
+  }
+
+  [[nodiscard]] messages::ServiceStatus status() { return context_->status().status(0); }
+  [[nodiscard]] bool written(const char* name) const { return std::filesystem::exists(folder_.path() / name); }
+
+  test::TemporaryFolder folder_;
+  std::shared_ptr<transport::MemoryNetwork> network_ = std::make_shared<transport::MemoryNetwork>();
+  transport::MemoryBus bus_;
+  test::BusPeer peer_{network_};
+  test::Inbox<egraph::GraphUpdate> updates_ = peer_.collect<egraph::GraphUpdate>(channels::kGraphUpdate);
+  test::Inbox<egraph::GraphSnapshot> snapshots_ = peer_.collect<egraph::GraphSnapshot>(channels::kGraphSnapshot);
+  std::unique_ptr<service::ServiceContext> context_;
+  std::unique_ptr<EGraphServerService> service_;
+};
+
+TEST_F(EGraphServer, AnswersEveryKeyframeWithAnUpdate) {
+  egraph::Graph replica;
+  for (int id = 0; id < 4; ++id) {
+    send(keyframe(1, id));
+    ASSERT_EQ(updates_->size(), static_cast<std::size_t>(id + 1));
+    EXPECT_EQ(updates_->back().session, 1);
+    EXPECT_EQ(updates_->back().keyframe.id, egraph::KeyframeId{id});
+    EXPECT_TRUE(replica.apply(updates_->back()).has_value());
+  }
+  EXPECT_EQ(replica.version(), 4);
+  EXPECT_EQ(replica.landmarks().size(), 3U);
+  EXPECT_EQ(replica.edges().size(), 6U) << "every keyframe with every other";
+  EXPECT_EQ(status().frames, 4);
+  EXPECT_TRUE(snapshots_->empty());
+}
+
+TEST_F(EGraphServer, ARepeatedKeyframeGetsTheSameAnswer) {
+  send(keyframe(1, 0));
+  send(keyframe(1, 1));
+  send(keyframe(1, 0));
+  ASSERT_EQ(updates_->size(), 3U);
+  EXPECT_EQ(messages::encode((*updates_)[2]), messages::encode((*updates_)[0]));
+}
+
+TEST_F(EGraphServer, RefusesAKeyframeThatComesTooEarlyAndSaysSo) {
+  send(keyframe(1, 0));
+  send(keyframe(1, 2));
+  EXPECT_EQ(updates_->size(), 1U);
+  EXPECT_EQ(status().rejected, 1);
+  EXPECT_NE(status().last_rejection.find("KEYFRAME"), std::string::npos) << status().last_rejection;
+  send(keyframe(1, 1));
+  send(keyframe(1, 2));
+  EXPECT_EQ(updates_->size(), 3U);
+}
+
+TEST_F(EGraphServer, AnswersARequestWithTheWholeGraph) {
+  send(keyframe(1, 0));
+  send(keyframe(1, 1));
+  ask(1);
+  ASSERT_EQ(snapshots_->size(), 1U);
+  const egraph::GraphSnapshot& snapshot = snapshots_->front();
+  EXPECT_EQ(snapshot.session, 1);
+  EXPECT_EQ(snapshot.version, 2);
+  EXPECT_EQ(snapshot.keyframes.size(), 2U);
+  EXPECT_EQ(snapshot.landmarks.size(), 3U);
+  EXPECT_EQ(snapshot.observations.size(), 6U);
+  EXPECT_EQ(snapshot.covisibility.size(), 1U);
+
+  // A late joiner goes on from there.
+  egraph::Graph replica;
+  replica.reset(snapshot);
+  send(keyframe(1, 2));
+  EXPECT_TRUE(replica.apply(updates_->back()).has_value());
+}
+
+TEST_F(EGraphServer, KnowsNothingOfAnUnknownSession) {
+  send(keyframe(1, 0));
+  ask(2);
+  EXPECT_TRUE(snapshots_->empty());
+}
+
+TEST_F(EGraphServer, SessionsDoNotMix) {
+  send(keyframe(1, 0));
+  send(keyframe(7, 0));
+  send(keyframe(1, 1));
+  send(keyframe(7, 1));
+  send(keyframe(1, 2));
+  ask(1);
+  ask(7);
+  ASSERT_EQ(snapshots_->size(), 2U);
+  EXPECT_EQ((*snapshots_)[0].keyframes.size(), 3U);
+  EXPECT_EQ((*snapshots_)[1].keyframes.size(), 2U);
+  EXPECT_EQ((*snapshots_)[1].session, 7);
+  EXPECT_EQ((*snapshots_)[1].landmarks.front().id, egraph::LandmarkId{0}) << "its own numbers";
+}
+
+TEST_F(EGraphServer, BoundsTheNumberOfSessions) {
+  for (int session = 0; session < 64; ++session) send(keyframe(session, 0));
+  EXPECT_EQ(updates_->size(), 64U);
+  send(keyframe(64, 0));
+  EXPECT_EQ(updates_->size(), 64U);
+  EXPECT_EQ(status().rejected, 1);
+  EXPECT_NE(status().last_rejection.find("session"), std::string::npos) << status().last_rejection;
+  send(keyframe(63, 1));
+  EXPECT_EQ(updates_->size(), 65U) << "those that are known go on";
+}
+
+TEST_F(EGraphServer, SavesTheGraph) {
+  ASSERT_TRUE(service_->save().has_value());
+  EXPECT_FALSE(written("egraph.json")) << "there is none";
+  send(keyframe(1, 0));
+  send(keyframe(1, 1));
+  ASSERT_TRUE(service_->save().has_value());
+  const auto graph = io::read_graph(folder_.path() / "egraph.json");
+  ASSERT_TRUE(graph.has_value()) << graph.error().message;
+  EXPECT_EQ(graph->keyframes.size(), 2U);
+  EXPECT_EQ(graph->edges.size(), 1U);
+}
+
+TEST_F(EGraphServer, SavesSeveralSessionsSeparately) {
+  send(keyframe(1, 0));
+  send(keyframe(7, 0));
+  ASSERT_TRUE(service_->save().has_value());
+  EXPECT_TRUE(written("egraph-1.json"));
+  EXPECT_TRUE(written("egraph-7.json"));
+}
+
+TEST_F(EGraphServer, SurvivesNonsense) {
+  peer_.send_bytes(channels::kKeyframe, {1, 2, 3});
+  peer_.send_bytes(channels::kGraphRequest, {});
+  egraph::Keyframe broken = keyframe(1, 0);
+  broken.directions[0].direction = {std::nan(""), 0, 0};
+  peer_.send(channels::kKeyframe, broken);
+  settle();
+  EXPECT_TRUE(updates_->empty());
+  EXPECT_EQ(status().rejected, 3);
+  send(keyframe(1, 0));
+  EXPECT_EQ(updates_->size(), 1U);
+}
+
+}  // namespace
+}  // namespace eg::services
