@@ -14,13 +14,19 @@ install_packages
 build programs
 cd "$caller"
 
-input=(--dataset synthetic:room --frames 300)
-out=(--out "$project/out")
-for argument in "$@"; do
-  case $argument in
-    --dataset | --dataset=*) input=() ;;
-    --out | --out=*) out=() ;;
-  esac
-done
+# Whether an option is among the arguments.
+given() {
+  local option=$1 argument
+  shift
+  for argument in "$@"; do
+    case $argument in "$option" | "$option"=*) return 0 ;; esac
+  done
+  return 1
+}
+
+defaults=()
+given --out "$@" || defaults+=(--out "$project/out")
+given --dataset "$@" || defaults+=(--dataset synthetic:room)
+given --dataset "$@" || given --frames "$@" || defaults+=(--frames 300)
 say "Running"
-with_multicast "$project/build/bin/egraph-run" ${input[@]+"${input[@]}"} ${out[@]+"${out[@]}"} "$@"
+with_multicast "$project/build/bin/egraph-run" ${defaults[@]+"${defaults[@]}"} "$@"

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
@@ -112,6 +113,15 @@ TEST_F(BadInput, AnOutputFolderThatCannotBe) {
   Program run("egraph-run", {"--dataset", "synthetic:room", "--out", (recording_ / "file" / "out").string()});
   EXPECT_EQ(run.wait(), 1);
   EXPECT_THAT(run.output(), HasSubstr("cannot make the output folder"));
+}
+
+TEST_F(BadInput, NoRouteForMulticast) {
+  if (std::system("unshare -n true 2>/dev/null") != 0) GTEST_SKIP() << "only root can make a network without routes";
+  const fs::path said = folder_.path() / "said.txt";
+  const std::string command = "unshare -n " EGRAPH_BIN_DIR "/egraph-run --dataset synthetic:room --out " +
+                              (folder_.path() / "out").string() + " >" + said.string() + " 2>&1";
+  EXPECT_NE(std::system(command.c_str()), 0);
+  EXPECT_THAT(file_bytes(said), testing::AllOf(HasSubstr("no multicast route"), HasSubstr("ip route add")));
 }
 
 TEST_F(BadInput, AProcmanConfigurationWithAMistake) {
