@@ -1,6 +1,7 @@
 #include "common/tracking/motion_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/geometry/so3.hpp"
 
@@ -20,7 +21,7 @@ MotionPrior MotionModel::predict(std::int64_t utime) const {
   const double elapsed = std::max(1e-3, seconds(utime - utime_));
   MotionPrior prior;
   prior.rotation_sigma = options_.angular_velocity_change * elapsed;
-  prior.translation_sigma = options_.velocity_change * elapsed;
+  prior.translation_sigma = std::hypot(translation_sigma_, options_.velocity_change * elapsed);
   prior.camera_from_world = camera_from_world_;
   if (step_ && elapsed <= options_.max_extrapolation_s) {
     prior.camera_from_world = scaled(*step_, elapsed / step_seconds_) * camera_from_world_;
@@ -28,19 +29,20 @@ MotionPrior MotionModel::predict(std::int64_t utime) const {
   return prior;
 }
 
-void MotionModel::update(std::int64_t utime, const geometry::Pose& camera_from_world, bool velocity_known) {
+void MotionModel::update(std::int64_t utime, const geometry::Pose& camera_from_world, bool translation_measured) {
+  translation_sigma_ = translation_measured ? 0.0 : predict(utime).translation_sigma;
   step_.reset();
   if (utime > utime_) {
     step_ = camera_from_world * camera_from_world_.inverse();
     step_seconds_ = seconds(utime - utime_);
-    if (!velocity_known) step_->translation.setZero();
+    if (!translation_measured) step_->translation.setZero();
   }
   utime_ = utime;
   camera_from_world_ = camera_from_world;
 }
 
 void MotionModel::reset(std::int64_t utime, const geometry::Pose& camera_from_world) {
-  step_.reset();
+  *this = MotionModel(options_);
   utime_ = utime;
   camera_from_world_ = camera_from_world;
 }

@@ -14,27 +14,26 @@ struct MotionOptions {
   double max_extrapolation_s = 0.5;      ///< a longer gap says nothing about where the camera went
 };
 
-/// Constant velocity between frames, with the uncertainty that a change of velocity brings.
+/// Constant velocity between frames, with the uncertainty that a change of velocity brings. While something is not
+/// measured its uncertainty grows from frame to frame.
 class MotionModel {
  public:
   explicit MotionModel(MotionOptions options = {}) : options_(options) {}
 
-  /// The next frame's pose as a prior. Without history: the last pose, wide open.
+  /// The next frame's pose as a prior. Without history: the last pose.
   [[nodiscard]] MotionPrior predict(std::int64_t utime) const;
 
-  /// `velocity_known`: false when the translation was not measured; the camera is then expected to stay.
-  void update(std::int64_t utime, const geometry::Pose& camera_from_world, bool velocity_known);
+  /// `translation_measured`: without it there is no velocity either; the camera is expected to stay.
+  void update(std::int64_t utime, const geometry::Pose& camera_from_world, bool translation_measured);
 
-  /// Forgets the velocity (after a relocalisation).
+  /// Forgets the velocity (first frame, relocalisation).
   void reset(std::int64_t utime, const geometry::Pose& camera_from_world);
-
-  /// The world was corrected: the last pose becomes `camera_from_world`, the velocity stays.
-  void move(const geometry::Pose& camera_from_world) { camera_from_world_ = camera_from_world; }
 
  private:
   MotionOptions options_;
   std::int64_t utime_ = 0;
   geometry::Pose camera_from_world_;
+  double translation_sigma_ = 0.0;      ///< of camera_from_world_, metres: what was not measured so far
   std::optional<geometry::Pose> step_;  ///< current_from_last camera
   double step_seconds_ = 0.0;
 };

@@ -13,7 +13,7 @@ struct RelocaliserOptions {
   MatchOptions matching{.max_descriptor_distance = 56, .max_distance_ratio = 0.8};
   int samples = 200;          ///< triples of correspondences that are tried
   double inlier_chi2 = 9.21;  ///< 99 % quantile of chi²(2)
-  int min_inliers = 12;
+  int min_inliers = 20;       ///< places that look alike share a few corners, not twenty in one arrangement
   std::uint64_t seed = 2;
 };
 

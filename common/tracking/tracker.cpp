@@ -57,7 +57,8 @@ TrackResult Tracker::track(const FrameFeatures& features) {
   if (features.header.utime <= last_utime_) return refuse(features, "time stamp is not later than the last frame's");
   last_utime_ = features.header.utime;
   if (map_.empty()) return initialise(features);
-  if (lost_) return recover(features, "searching for a known place");
+  const std::int64_t blind = features.header.utime - last_measured_utime_;
+  if (lost_ && blind > options_.max_blind_utime) return recover(features, "searching for a known place");
 
   Frame frame{.features = features, .prediction = motion_.predict(features.header.utime)};
   frame.camera_from_world = frame.prediction.camera_from_world;
@@ -183,7 +184,6 @@ TrackResult Tracker::recover(const FrameFeatures& features, const std::string& w
         observed.translation_sigma > options_.max_translation_sigma) {
       continue;
     }
-    lost_ = false;
     motion_.reset(features.header.utime, frame.camera_from_world);
     return finish(frame, TrackingState::relocalised, "found keyframe " + std::to_string(keyframes[index].id.value));
   }
@@ -219,8 +219,9 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
     estimate.covariance = world_covariance(frame.solution.information, frame.prediction, estimate.world_from_camera);
     estimate.covariance.topLeftCorner<3, 3>() += kMinRotationVariance * Eigen::Matrix3d::Identity();
   }
+  lost_ = false;
+  last_measured_utime_ = frame.features.header.utime;
   motion_.update(frame.features.header.utime, frame.camera_from_world, state != TrackingState::rotation_only);
-  if (state == TrackingState::rotation_only) return result;
 
   map_.count_visibility(visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world), {},
                         frame.matches);

@@ -29,10 +29,11 @@ struct TrackerOptions {
   MotionOptions motion;
   KeyframeOptions keyframes;
   RelocaliserOptions relocaliser;
-  int relocalisation_candidates = 4;    ///< keyframes tried per lost frame
-  double max_translation_sigma = 0.05;  ///< metres: worse is `rotation_only`
-  double max_rotation_sigma = 0.05;     ///< radians (3°): worse is `lost`
-  int min_points_without_planes = 7;    ///< fewer agreeing points are no proof of a pose
+  int relocalisation_candidates = 4;         ///< keyframes tried per lost frame
+  double max_translation_sigma = 0.05;       ///< metres: worse is `rotation_only`
+  double max_rotation_sigma = 0.0175;        ///< radians (1°): worse is `lost`
+  std::int64_t max_blind_utime = 2'000'000;  ///< microseconds for which the last pose still says where to look
+  int min_points_without_planes = 7;         ///< fewer agreeing points are no proof of a pose
 };
 
 /// What became of a frame.
@@ -78,6 +79,7 @@ class Tracker {
   MotionModel motion_;
   KeyframePolicy policy_;
   std::int64_t last_utime_ = -1;
+  std::int64_t last_measured_utime_ = -1;  ///< when the rotation was last determined
   bool lost_ = false;
   std::size_t next_candidate_ = 0;  ///< round robin over keyframes while lost
 };
