@@ -35,7 +35,7 @@ base::Status validate(const FeatureExtractorOptions& options) {
 }
 
 FeatureExtractor::FeatureExtractor(const FeatureExtractorOptions& options)
-    : options_(options), plane_extractor_(options.planes) {
+    : options_(options), line_extractor_(options.lines), plane_extractor_(options.planes) {
   const auto status = validate(options);
   EG_CHECK(status, status.error().message);
 }
@@ -52,7 +52,7 @@ FrameFeatures FeatureExtractor::extract(const image::RectifiedFrame& frame) {
   std::vector<DirectionFeature> line_directions;
   tbb::parallel_invoke([&] { features.points = extract_points(grey, frame.depth, options_.points); },
                        [&] {
-                         lines = extract_lines(grey, frame.depth, frame.camera, options_.lines);
+                         lines = line_extractor_.extract(grey, frame.depth, frame.camera);
                          line_directions = extract_line_directions(lines, frame.camera, options_.directions);
                        },
                        [&] {

@@ -38,6 +38,7 @@ class FeatureExtractor {
 
  private:
   FeatureExtractorOptions options_;
+  LineExtractor line_extractor_;
   PlaneExtractor plane_extractor_;
   cv::Mat plane_labels_;
 };

@@ -17,16 +17,15 @@ std::vector<cv::Vec4f> run_lsd(const cv::Mat& grey) {
   return lines;
 }
 
-std::vector<cv::Vec4f> run_edlines(const cv::Mat& grey, double min_length) {
-  const auto detector = cv::ximgproc::createEdgeDrawing();
+std::vector<cv::Vec4f> run_edlines(cv::ximgproc::EdgeDrawing& detector, const cv::Mat& grey, double min_length) {
   cv::ximgproc::EdgeDrawing::Params parameters;
   parameters.EdgeDetectionOperator = cv::ximgproc::EdgeDrawing::SOBEL;
   parameters.GradientThresholdValue = 20;
   parameters.MinLineLength = static_cast<int>(min_length);
-  detector->setParams(parameters);
-  detector->detectEdges(grey);
+  detector.setParams(parameters);
+  detector.detectEdges(grey);
   std::vector<cv::Vec4f> lines;
-  detector->detectLines(lines);
+  detector.detectLines(lines);
   return lines;
 }
 
@@ -36,11 +35,15 @@ double min_segment_length(const cv::Size& image, const LineDetectorOptions& opti
   return options.min_length * std::hypot(image.width, image.height);
 }
 
-std::vector<Segment> detect_segments(const cv::Mat& grey, const LineDetectorOptions& options) {
+LineDetector::LineDetector(const LineDetectorOptions& options) : options_(options) {
+  if (options_.kind == LineDetectorKind::edlines) edge_drawing_ = cv::ximgproc::createEdgeDrawing();
+}
+
+std::vector<Segment> LineDetector::detect(const cv::Mat& grey) {
   if (std::min(grey.rows, grey.cols) < kMinImageSide) return {};
-  const double min_length = kBrokenShare * min_segment_length(grey.size(), options);
-  const bool lsd = options.kind == LineDetectorKind::lsd;
-  const std::vector<cv::Vec4f> lines = lsd ? run_lsd(grey) : run_edlines(grey, min_length);
+  const double min_length = kBrokenShare * min_segment_length(grey.size(), options_);
+  const std::vector<cv::Vec4f> lines =
+      edge_drawing_ != nullptr ? run_edlines(*edge_drawing_, grey, min_length) : run_lsd(grey);
 
   std::vector<Segment> segments;
   segments.reserve(lines.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "common/base/check.hpp"
 #include "common/features/line_descriptor.hpp"
@@ -9,21 +10,6 @@
 
 namespace eg::features {
 namespace {
-
-std::vector<Segment> find_segments(const cv::Mat& grey, const LineExtractorOptions& options) {
-  std::vector<Segment> segments = detect_segments(grey, options.detector);
-  for (Segment& segment : segments) segment = refine_segment(grey, segment);
-  const std::size_t pieces = segments.size();
-  segments = merge_collinear(std::move(segments), options.merger);
-  const double min_length = min_segment_length(grey.size(), options.detector);
-  std::erase_if(segments, [&](const Segment& segment) { return segment.length() < min_length; });
-  if (segments.size() > static_cast<std::size_t>(options.max_lines))
-    segments.resize(static_cast<std::size_t>(options.max_lines));
-  if (segments.size() < pieces) {
-    for (Segment& segment : segments) segment = refine_segment(grey, segment);
-  }
-  return segments;
-}
 
 MeasuredLine measure(const Segment& segment, const cv::Mat& depth, const GradientImages& gradients,
                      const geometry::CameraModel& camera, const LineLifterOptions& options, std::uint64_t seed) {
@@ -69,22 +55,43 @@ base::Status validate(const LineExtractorOptions& options) {
   return {};
 }
 
-std::vector<MeasuredLine> extract_lines(const cv::Mat& grey, const cv::Mat& depth, const geometry::CameraModel& camera,
-                                        const LineExtractorOptions& options) {
+LineExtractor::LineExtractor(const LineExtractorOptions& options) : options_(options), detector_(options.detector) {}
+
+std::vector<Segment> LineExtractor::find_segments(const cv::Mat& grey) {
+  std::vector<Segment> segments = detector_.detect(grey);
+  for (Segment& segment : segments) segment = refine_segment(grey, segment);
+  const std::size_t pieces = segments.size();
+  segments = merge_collinear(std::move(segments), options_.merger);
+  const double min_length = min_segment_length(grey.size(), options_.detector);
+  std::erase_if(segments, [&](const Segment& segment) { return segment.length() < min_length; });
+  segments.resize(std::min(segments.size(), static_cast<std::size_t>(options_.max_lines)));
+  if (segments.size() < pieces) {
+    for (Segment& segment : segments) segment = refine_segment(grey, segment);
+  }
+  return segments;
+}
+
+std::vector<MeasuredLine> LineExtractor::extract(const cv::Mat& grey, const cv::Mat& depth,
+                                                 const geometry::CameraModel& camera) {
   EG_CHECK(grey.empty() || grey.type() == CV_8UC1, "grey is 8 bit, one channel");
   EG_CHECK(depth.empty() || depth.type() == CV_32FC1, "depth is in metres");
   EG_CHECK(grey.size() == depth.size(), "grey and depth have one size");
   std::vector<MeasuredLine> lines;
   if (grey.empty()) return lines;
 
-  const std::vector<Segment> segments = find_segments(grey, options);
+  const std::vector<Segment> segments = find_segments(grey);
   if (segments.empty()) return lines;
   const GradientImages gradients = gradients_of(grey);
   lines.reserve(segments.size());
   for (const Segment& segment : segments) {
-    lines.push_back(measure(segment, depth, gradients, camera, options.lifter, options.seed + lines.size()));
+    lines.push_back(measure(segment, depth, gradients, camera, options_.lifter, options_.seed + lines.size()));
   }
   return lines;
+}
+
+std::vector<MeasuredLine> extract_lines(const cv::Mat& grey, const cv::Mat& depth, const geometry::CameraModel& camera,
+                                        const LineExtractorOptions& options) {
+  return LineExtractor(options).extract(grey, depth, camera);
 }
 
 }  // namespace eg::features

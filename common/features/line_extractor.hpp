@@ -35,8 +35,26 @@ struct MeasuredLine {
 };
 
 /// Straight lines of a frame: segments are detected, refined to sub-pixel accuracy, merged, lifted with the depth image
-/// and described. Segments without usable depth stay, in the image only. Longest first. `grey` is CV_8UC1, `depth` is
-/// CV_32FC1 in metres, both undistorted and of the camera's size.
+/// and described. Segments without usable depth stay, in the image only. Results depend on the arguments alone. One
+/// object per thread.
+class LineExtractor {
+ public:
+  /// `options` must be valid.
+  explicit LineExtractor(const LineExtractorOptions& options = {});
+
+  /// The lines, longest first. `grey` is CV_8UC1, `depth` is CV_32FC1 in metres, both undistorted and of the camera's
+  /// size.
+  [[nodiscard]] std::vector<MeasuredLine> extract(const cv::Mat& grey, const cv::Mat& depth,
+                                                  const geometry::CameraModel& camera);
+
+ private:
+  [[nodiscard]] std::vector<Segment> find_segments(const cv::Mat& grey);
+
+  LineExtractorOptions options_;
+  LineDetector detector_;
+};
+
+/// The same for a single frame.
 std::vector<MeasuredLine> extract_lines(const cv::Mat& grey, const cv::Mat& depth, const geometry::CameraModel& camera,
                                         const LineExtractorOptions& options = {});
 

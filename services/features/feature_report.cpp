@@ -47,13 +47,13 @@ void print_timings(std::ostream& out, const image::RectifiedFrame& frame,
                    const features::FeatureExtractorOptions& options, int repeats) {
   cv::Mat grey;
   cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
-  std::vector<features::MeasuredLine> lines = features::extract_lines(grey, frame.depth, frame.camera, options.lines);
+  features::LineExtractor line_extractor(options.lines);
+  std::vector<features::MeasuredLine> lines = line_extractor.extract(grey, frame.depth, frame.camera);
   features::PlaneExtractor planes(options.planes);
   features::FeatureExtractor all(options);
   out << std::fixed << std::setprecision(2) << "mean time of " << repeats << " runs\n";
   print_mean_time(out, "points", repeats, [&] { (void)features::extract_points(grey, frame.depth, options.points); });
-  print_mean_time(out, "lines", repeats,
-                  [&] { lines = features::extract_lines(grey, frame.depth, frame.camera, options.lines); });
+  print_mean_time(out, "lines", repeats, [&] { lines = line_extractor.extract(grey, frame.depth, frame.camera); });
   print_mean_time(out, "directions", repeats,
                   [&] { (void)features::extract_line_directions(lines, frame.camera, options.directions); });
   print_mean_time(out, "planes", repeats, [&] { (void)planes.extract(frame.depth, frame.camera); });

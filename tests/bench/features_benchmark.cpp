@@ -41,14 +41,16 @@ BENCHMARK(points)->Unit(benchmark::kMillisecond);
 void segments(benchmark::State& state) {
   features::LineDetectorOptions options;
   options.kind = static_cast<features::LineDetectorKind>(state.range(0));
-  for (auto _ : state) benchmark::DoNotOptimize(features::detect_segments(grey(), options));
+  features::LineDetector detector(options);
+  for (auto _ : state) benchmark::DoNotOptimize(detector.detect(grey()));
   state.SetLabel(options.kind == features::LineDetectorKind::lsd ? "lsd" : "edlines");
 }
 BENCHMARK(segments)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 void lines(benchmark::State& state) {
   std::size_t count = 0;
-  for (auto _ : state) count = features::extract_lines(grey(), frame().depth, frame().camera).size();
+  features::LineExtractor extractor;
+  for (auto _ : state) count = extractor.extract(grey(), frame().depth, frame().camera).size();
   state.counters["lines"] = static_cast<double>(count);
 }
 BENCHMARK(lines)->Unit(benchmark::kMillisecond);
