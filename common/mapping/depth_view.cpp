@@ -30,6 +30,7 @@ DepthView::DepthView(const image::RectifiedFrame& frame, const TsdfOptions& opti
       blocks_x_((width_ + kBlock - 1) / kBlock),
       blocks_y_((height_ + kBlock - 1) / kBlock),
       continuity_(static_cast<float>(2.0 * options.voxel_size)),
+      steepest_(static_cast<float>(1.0 / (kMinObliqueness * frame.camera.fx))),
       inverse_depth_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)),
       obliqueness_(static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y_), kNone),
       colour_(frame.colour) {
@@ -61,7 +62,7 @@ std::vector<float> DepthView::block_means() const {
           high = std::max(high, inverse[column]);
         }
       }
-      if (low > 0.0F && !is_depth_edge(low, high, kBlock * continuity_)) means[block(x, y)] = sum / (kBlock * kBlock);
+      if (low > 0.0F && !is_depth_edge(low, high, kBlock)) means[block(x, y)] = sum / (kBlock * kBlock);
     }
   }
   return means;

@@ -45,7 +45,7 @@ class DepthView {
     const float low = std::min(std::min(above[0], above[1]), std::min(below[0], below[1]));
     const float high = std::max(std::max(above[0], above[1]), std::max(below[0], below[1]));
     const float obliqueness = obliqueness_[block(x / kBlock, y / kBlock)];
-    if (is_depth_edge(low, high, continuity_ / obliqueness)) {
+    if (is_depth_edge(low, high, 1.0F / obliqueness)) {
       return {(dv < 0.5F ? above : below)[du < 0.5F ? 0 : 1], obliqueness};
     }
     const float upper = above[0] + du * (above[1] - above[0]);
@@ -70,9 +70,10 @@ class DepthView {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
 
-  /// Whether depths from 1 / high to 1 / low differ by more than `limit` metres. Always if `low` is 0: no reading.
-  [[nodiscard]] static bool is_depth_edge(float low, float high, float limit) {
-    return high - low > limit * high * low;
+  /// Whether depths from 1 / high to 1 / low are `scale` times too far apart for neighbours on one surface. Always if
+  /// `low` is 0: no reading.
+  [[nodiscard]] bool is_depth_edge(float low, float high, float scale) const {
+    return high - low > scale * low * std::max(continuity_ * high, steepest_);
   }
 
   [[nodiscard]] std::size_t block(int x, int y) const {
@@ -88,7 +89,8 @@ class DepthView {
   int height_;
   int blocks_x_;
   int blocks_y_;
-  float continuity_;  ///< metres; seen frontally, neighbouring readings that differ by more lie on different surfaces
+  float continuity_;  ///< metres; neighbouring readings that differ by less are always taken for one surface's
+  float steepest_;    ///< the same as a share of the depth: what the steepest surface that is looked at has
   std::vector<float> inverse_depth_;
   std::vector<float> obliqueness_;
   cv::Mat colour_;

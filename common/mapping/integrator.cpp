@@ -34,7 +34,7 @@ class VoxelObserver {
         cy_(static_cast<float>(frame.camera.cy)),
         camera_from_world_(world_from_camera.inverse()),
         voxel_size_(static_cast<float>(options.voxel_size)),
-        widest_band_(static_cast<float>(band_half_width(options, options.max_depth))),
+        longest_truncation_(static_cast<float>(truncation(options, options.max_depth))),
         steps_per_metre_(1.0F / units_.metres_per_step()) {}
 
   [[nodiscard]] const DepthView& view() const { return view_; }
@@ -50,6 +50,8 @@ class VoxelObserver {
   }
 
   /// Projective distance, made perpendicular: the voxel's distance from the plane of the surface that its pixel shows.
+  /// In front of the surface it is cut off, not left out: seen free space removes what other views took for the inside
+  /// of thin objects.
   [[nodiscard]] Measurement measure(const Eigen::Vector3f& point_in_camera) const {
     if (!(point_in_camera.z() > 0.0F)) return {};
     const float inverse_z = 1.0F / point_in_camera.z();
@@ -59,17 +61,18 @@ class VoxelObserver {
     if (seen.inverse_depth == 0.0F) return {};
     const float depth = 1.0F / seen.inverse_depth;
     const float distance = (depth - point_in_camera.z()) * seen.obliqueness;
-    if (std::abs(distance) > widest_band_) return {};
-    const auto band = static_cast<float>(band_half_width(options_, depth));
-    if (std::abs(distance) > band) return {};
-    const float weight = units_.weight(depth) * certainty(distance, band);
-    return {std::max(1, round_to_int(weight)), round_to_int(distance * steps_per_metre_), view_.colour_at(u, v)};
+    if (distance < -longest_truncation_) return {};
+    const auto limit = static_cast<float>(truncation(options_, depth));
+    if (distance < -limit) return {};
+    const float weight = units_.weight(depth) * certainty(distance, limit);
+    return {std::max(1, round_to_int(weight)), round_to_int(std::min(distance, limit) * steps_per_metre_),
+            view_.colour_at(u, v)};
   }
 
  private:
   /// From one voxel behind the surface on, a reading says less and less: the object may be thinner.
-  [[nodiscard]] float certainty(float distance, float band) const {
-    return distance >= -voxel_size_ ? 1.0F : (band + distance) / (band - voxel_size_);
+  [[nodiscard]] float certainty(float distance, float limit) const {
+    return distance >= -voxel_size_ ? 1.0F : (limit + distance) / (limit - voxel_size_);
   }
 
   TsdfOptions options_;
@@ -78,7 +81,7 @@ class VoxelObserver {
   float fx_, fy_, cx_, cy_;
   geometry::Pose camera_from_world_;
   float voxel_size_;
-  float widest_band_;
+  float longest_truncation_;
   float steps_per_metre_;
 };
 

@@ -133,8 +133,8 @@ std::vector<Eigen::Vector3i> leaves_near_surface(const DepthView& view, const ge
         const float inverse_depth = view.inverse_depth(x, y);
         if (inverse_depth == 0.0F) continue;
         const float depth = 1.0F / inverse_depth;
-        const auto band = static_cast<float>(band_half_width(options, depth)) / view.obliqueness(x, y);
-        rays.walk(x, y, std::max(0.0F, depth - band), depth + band, previous, leaves);
+        const auto reach = static_cast<float>(truncation(options, depth)) / view.obliqueness(x, y);
+        rays.walk(x, y, std::max(0.0F, depth - reach), depth + reach, previous, leaves);
       }
     }
     keys_of_task[task] = leaves.keys();

@@ -11,7 +11,7 @@
 namespace eg::mapping {
 
 /// Numbers (origin / leaf side) of the leaves of `leaf_side`³ voxels that the rays of the frame's readings cross within
-/// the band around the reading, in lexicographic order.
+/// the truncation distance of the reading, in lexicographic order.
 std::vector<Eigen::Vector3i> leaves_near_surface(const DepthView& view, const geometry::CameraModel& camera,
                                                  const geometry::Pose& world_from_camera, const TsdfOptions& options,
                                                  int leaf_side);

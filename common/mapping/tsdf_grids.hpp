@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "common/geometry/depth_noise.hpp"
@@ -20,18 +21,17 @@ using ColourLeaf = ColourTree::LeafNodeType;
 inline constexpr int kLeafSide = static_cast<int>(IntLeaf::DIM);
 inline constexpr int kLeafVoxels = static_cast<int>(IntLeaf::SIZE);
 
-/// Units of the integer sums.
-///
-/// One reading adds at most kMaxWeight to a weight, kMaxWeight · kBandSteps to a distance and kMaxWeight · 255 to a
-/// colour, all below 2^16. A voxel whose weight has come to kFullWeight takes no more, so no sum exceeds 2^31.
+/// Units of the integer sums. A reading has a weight from 1 to kMaxWeight and a distance of at most kTruncationSteps. A
+/// voxel whose weight has come to kFullWeight, after thousands of the best readings, takes no more: no sum overflows.
 class TsdfUnits {
  public:
   static constexpr std::int32_t kMaxWeight = 127;
-  static constexpr std::int32_t kBandSteps = 511;
-  static constexpr std::int32_t kFullWeight = 1 << 22;
+  static constexpr std::int32_t kTruncationSteps = 1023;
+  static constexpr std::int32_t kFullWeight = 1 << 21;
+  static_assert(std::int64_t{kFullWeight + kMaxWeight} * kTruncationSteps <= std::numeric_limits<std::int32_t>::max());
 
   explicit TsdfUnits(const TsdfOptions& options)
-      : metres_per_step_(static_cast<float>(band_half_width(options, options.max_depth) / kBandSteps)),
+      : metres_per_step_(static_cast<float>(truncation(options, options.max_depth) / kTruncationSteps)),
         best_variance_(square(geometry::depth_sigma(options.min_depth))) {}
 
   [[nodiscard]] float metres_per_step() const { return metres_per_step_; }

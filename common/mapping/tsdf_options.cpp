@@ -9,8 +9,8 @@ base::Status validate(const TsdfOptions& options) {
   if (!within(options.max_depth, 0.02, 100.0) || options.max_depth <= options.min_depth) {
     return base::fail("max_depth must be above min_depth and at most 100 metres");
   }
-  if (!within(options.band_voxels, 2.0, 64.0)) return base::fail("band_voxels must be in [2, 64]");
-  if (!within(options.band_sigmas, 0.0, 10.0)) return base::fail("band_sigmas must be in [0, 10]");
+  if (!within(options.truncation_voxels, 2.0, 64.0)) return base::fail("truncation_voxels must be in [2, 64]");
+  if (!within(options.truncation_sigmas, 0.0, 10.0)) return base::fail("truncation_sigmas must be in [0, 10]");
   if (!within(options.max_gradient, 1.0, 1000.0)) return base::fail("max_gradient must be in [1, 1000]");
   return {};
 }

@@ -49,7 +49,7 @@ bool restore_voxel(const TsdfUnits& units, float weight, float distance, const o
                    const LeafSums& sums, openvdb::Index voxel) {
   const float steps = distance / units.metres_per_step();
   if (!(weight >= 1.0F && weight <= static_cast<float>(TsdfUnits::kFullWeight + TsdfUnits::kMaxWeight))) return false;
-  if (!(std::abs(steps) <= static_cast<float>(TsdfUnits::kBandSteps))) return false;
+  if (!(std::abs(steps) <= static_cast<float>(TsdfUnits::kTruncationSteps))) return false;
   for (int i = 0; i < 3; ++i) {
     if (!(colour[i] >= 0.0F && colour[i] <= 1.0F)) return false;
     sums.colour[voxel][i] = static_cast<std::int32_t>(std::lrint(weight * kMaxColour * colour[i]));
@@ -72,7 +72,7 @@ base::Result<openvdb::GridPtrVecPtr> read_stream(std::istream& in) {
 base::Status write_grids(const TsdfGrids& grids, const TsdfOptions& options, std::ostream& out) {
   initialise_openvdb();
   const TsdfUnits units(options);
-  const float outside = units.metres_per_step() * TsdfUnits::kBandSteps;
+  const float outside = units.metres_per_step() * TsdfUnits::kTruncationSteps;
   auto distances = make_grid<openvdb::FloatGrid>(kDistanceName, outside, options);
   auto weights = make_grid<openvdb::FloatGrid>(kWeightName, 0.0F, options);
   auto colours = make_grid<openvdb::Vec3SGrid>(kColourName, openvdb::Vec3f(0.0F), options);

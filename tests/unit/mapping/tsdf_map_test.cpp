@@ -181,7 +181,7 @@ TEST(TsdfMapTest, LeavesOutReadingsThatMeanNothing) {
   const geometry::CameraModel camera = square_camera(64, 64.0);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
-  for (const float depth : {0.0F, nan, infinity, -infinity, -1.0F, 0.1F, 5.1F, 1e30F}) {
+  for (const float depth : {0.0F, nan, infinity, -infinity, -1.0F, 0.1F, 1e30F, 7.1F}) {
     TsdfMap map;
     const image::RectifiedFrame frame{
         {}, camera, cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(9)), cv::Mat(64, 64, CV_32FC1, cv::Scalar(depth))};
@@ -265,8 +265,8 @@ TEST(TsdfOptionsTest, RefusesValuesOutOfRangeByName) {
   options.max_depth = options.min_depth;
   EXPECT_NE(validate(options).error().message.find("max_depth"), std::string::npos);
   options = {};
-  options.band_sigmas = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(validate(options).error().message.find("band_sigmas"), std::string::npos);
+  options.truncation_sigmas = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(validate(options).error().message.find("truncation_sigmas"), std::string::npos);
 }
 
 }  // namespace
