@@ -70,6 +70,7 @@ TrackResult Tracker::track(const FrameFeatures& features) {
   const bool proven = frame.solution.inlier_points() >= options_.min_points_without_planes ||
                       frame.solution.inlier_planes() > 0 || frame.solution.inlier_lines() >= 4;
   if (proven && observed.translation_sigma < options_.max_translation_sigma) {
+    if (lost_) return finish(frame, TrackingState::relocalised, "found near the last pose");
     return finish(frame, TrackingState::tracking, "");
   }
   if (observed.rotation_sigma < options_.max_rotation_sigma) {
