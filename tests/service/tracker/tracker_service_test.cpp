@@ -1,0 +1,363 @@
+#include "services/tracker/tracker_service.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "common/egraph/graph_builder.hpp"
+#include "common/io/ply.hpp"
+#include "common/io/trajectory_file.hpp"
+#include "common/messages/channels.hpp"
+#include "tests/support/bus_peer.hpp"
+#include "tests/support/feature_world.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace eg::services {
+namespace {
+
+namespace channels = messages::channels;
+using features::FrameFeatures;
+using tracking::PoseEstimate;
+using tracking::TrackingState;
+
+const test::FeatureSequence& recording() {
+  static const test::FeatureSequence sequence = [] {
+    const geometry::CameraModel camera = *geometry::find_camera("tum_fr3");
+    std::vector<geometry::Pose> poses;
+    for (int i = 0; i < 40; ++i) {
+      poses.push_back(test::looking_at({0.02 * i - 0.4, 0, -0.5}, {0.03 * i, 0.3, 2}, camera));
+    }
+    return test::record(test::make_room(), camera, poses, 1);
+  }();
+  return sequence;
+}
+
+const FrameFeatures& frame(std::size_t index) { return recording().frames[index]; }
+
+/// The tracker on a bus, with a peer in place of source, server and viewers.
+class Rig {
+ public:
+  explicit Rig(bool lockstep, const transport::MemoryNetwork::Disturbance& disturbance = {})
+      : network_(std::make_shared<transport::MemoryNetwork>(disturbance)),
+        bus_(network_),
+        peer_(network_),
+        context_(bus_, options(lockstep)),
+        service_(context_, tracking::TrackerOptions{}),
+        poses(peer_.collect<PoseEstimate>(channels::kPose)),
+        acknowledged(peer_.collect<messages::Acknowledge>(channels::kAcknowledge)),
+        keyframes(peer_.collect<egraph::Keyframe>(channels::kKeyframe)),
+        requests(peer_.collect<messages::GraphRequest>(channels::kGraphRequest)) {}
+
+  template <typename T>
+  void send(const char* channel, const T& value) {
+    peer_.send(channel, value);
+    settle();
+  }
+  void send_bytes(const char* channel, const messages::Bytes& bytes) {
+    peer_.send_bytes(channel, bytes);
+    settle();
+  }
+  void send_frame(std::size_t index) { send(channels::kFeatures, frame(index)); }
+
+  /// Answers, as the server does, every keyframe that has arrived since the last call.
+  void answer_keyframes() {
+    for (; answered_ < keyframes->size(); ++answered_) {
+      const auto update = builder.add_keyframe((*keyframes)[answered_]);
+      if (update) peer_.send(channels::kGraphUpdate, *update);
+    }
+    settle();
+  }
+
+  void idle(std::int64_t utime) {
+    service_.idle(utime);
+    settle();
+  }
+
+  base::Status save() { return service_.save(); }
+  [[nodiscard]] messages::ServiceStatus status() { return context_.status().status(0); }
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_.path(); }
+
+  /// The sequence numbers of the poses so far.
+  [[nodiscard]] std::vector<std::int64_t> order() const {
+    std::vector<std::int64_t> sequences;
+    for (const PoseEstimate& pose : *poses) sequences.push_back(pose.header.sequence);
+    return sequences;
+  }
+
+ private:
+  service::ServiceOptions options(bool lockstep) const {
+    service::ServiceOptions options;
+    options.name = "tracker";
+    options.out = folder_.path();
+    options.lockstep = lockstep;
+    return options;
+  }
+  void settle() {
+    while (bus_.handle(std::chrono::milliseconds(0)).value_or(0) + peer_.handle() > 0) {
+    }
+  }
+
+  test::TemporaryFolder folder_;
+  std::shared_ptr<transport::MemoryNetwork> network_;
+  transport::MemoryBus bus_;
+  test::BusPeer peer_;
+  service::ServiceContext context_;
+  TrackerService service_;
+  std::size_t answered_ = 0;
+
+ public:
+  test::Inbox<PoseEstimate> poses;
+  test::Inbox<messages::Acknowledge> acknowledged;
+  test::Inbox<egraph::Keyframe> keyframes;
+  test::Inbox<messages::GraphRequest> requests;
+  egraph::GraphBuilder builder;
+};
+
+std::vector<std::int64_t> numbers(std::int64_t count) {
+  std::vector<std::int64_t> result;
+  for (std::int64_t i = 0; i < count; ++i) result.push_back(i);
+  return result;
+}
+
+TEST(TrackerService, AnswersEveryFrameWithAPoseAndAnAcknowledgement) {
+  Rig rig(true);
+  for (std::size_t i = 0; i < 20; ++i) {
+    rig.send_frame(i);
+    rig.answer_keyframes();
+  }
+  EXPECT_EQ(rig.order(), numbers(20));
+  for (const PoseEstimate& pose : *rig.poses) EXPECT_EQ(pose.state, TrackingState::tracking);
+  ASSERT_EQ(rig.acknowledged->size(), 20U);
+  for (std::size_t i = 0; i < 20; ++i) {
+    EXPECT_EQ((*rig.acknowledged)[i].sequence, static_cast<std::int64_t>(i));
+    EXPECT_EQ((*rig.acknowledged)[i].session, 1);
+    EXPECT_EQ((*rig.acknowledged)[i].consumer, "tracker");
+  }
+  EXPECT_EQ(rig.keyframes->front().id, egraph::KeyframeId{0});
+  EXPECT_EQ(rig.poses->front().keyframe, egraph::KeyframeId{0});
+  EXPECT_EQ(rig.status().frames, 20);
+  EXPECT_EQ(rig.status().dropped, 0);
+  EXPECT_EQ(rig.status().rejected, 0);
+}
+
+TEST(TrackerService, InLockstepTheNextFrameWaitsForTheGraphUpdate) {
+  Rig rig(true);
+  rig.send_frame(0);
+  ASSERT_EQ(rig.keyframes->size(), 1U);
+  rig.send_frame(1);
+  rig.send_frame(2);
+  EXPECT_EQ(rig.order(), numbers(1));
+  rig.answer_keyframes();
+  EXPECT_EQ(rig.order(), numbers(3));
+}
+
+TEST(TrackerService, InRealTimeNothingWaits) {
+  Rig rig(false);
+  for (std::size_t i = 0; i < 5; ++i) rig.send_frame(i);
+  EXPECT_EQ(rig.order(), numbers(5));
+}
+
+TEST(TrackerService, InLockstepFramesAreTrackedInOrder) {
+  Rig rig(true);
+  rig.send_frame(2);
+  rig.send_frame(1);
+  EXPECT_TRUE(rig.poses->empty());
+  rig.send_frame(0);
+  rig.answer_keyframes();
+  EXPECT_EQ(rig.order(), numbers(3));
+}
+
+TEST(TrackerService, InRealTimeMissingFramesAreCountedAndLateOnesIgnored) {
+  Rig rig(false);
+  rig.send_frame(0);
+  rig.send_frame(3);
+  rig.send_frame(2);
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 3}));
+  EXPECT_EQ(rig.status().dropped, 2);
+}
+
+TEST(TrackerService, AFrameThatComesAgainIsAnsweredAgainNotTrackedAgain) {
+  Rig rig(true);
+  rig.send_frame(0);
+  rig.answer_keyframes();
+  rig.send_frame(1);
+  rig.send_frame(0);
+  rig.send_frame(1);
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1, 0, 1}));
+  EXPECT_EQ(messages::encode((*rig.poses)[3]), messages::encode((*rig.poses)[1]));
+  EXPECT_EQ(rig.acknowledged->size(), 4U);
+  EXPECT_EQ(rig.status().frames, 2);
+  EXPECT_EQ(rig.keyframes->size(), 1U);
+}
+
+TEST(TrackerService, AnnouncesAKeyframeAgainUntilTheUpdateComes) {
+  Rig rig(true);
+  rig.idle(1'000'000);
+  rig.send_frame(0);
+  rig.idle(1'100'000);
+  EXPECT_EQ(rig.keyframes->size(), 1U) << "too soon";
+  rig.idle(1'350'000);
+  rig.idle(1'360'000);
+  ASSERT_EQ(rig.keyframes->size(), 2U);
+  EXPECT_EQ(messages::encode((*rig.keyframes)[1]), messages::encode((*rig.keyframes)[0]));
+  rig.idle(1'700'000);
+  EXPECT_EQ(rig.keyframes->size(), 3U);
+  rig.answer_keyframes();
+  rig.idle(9'000'000);
+  EXPECT_EQ(rig.keyframes->size(), 3U) << "confirmed";
+}
+
+TEST(TrackerService, AsksForASnapshotAfterAGapAndGoesOn) {
+  Rig rig(false);
+  egraph::GraphUpdate missed;
+  std::size_t next = 0;
+  while (rig.keyframes->size() < 2 && next < recording().frames.size()) rig.send_frame(next++);
+  ASSERT_EQ(rig.keyframes->size(), 2U);
+  ASSERT_TRUE(rig.builder.add_keyframe((*rig.keyframes)[0]).has_value());  // its update is lost
+  const auto second = rig.builder.add_keyframe((*rig.keyframes)[1]);
+  rig.send(channels::kGraphUpdate, *second);
+  ASSERT_EQ(rig.requests->size(), 1U);
+  EXPECT_EQ(rig.requests->front().session, 1);
+  EXPECT_EQ(rig.requests->front().have_version, 0);
+
+  rig.send(channels::kGraphSnapshot, rig.builder.graph().snapshot(1));
+  rig.idle(0);
+  rig.idle(5'000'000);
+  EXPECT_EQ(rig.keyframes->size(), 2U) << "both are confirmed: none is announced again";
+  rig.send_frame(next);
+  EXPECT_GE(rig.poses->back().rotation_reference.value, 0) << "the graph is there";
+}
+
+TEST(TrackerService, ASnapshotReleasesWaitingFramesInLockstep) {
+  Rig rig(true);
+  rig.send_frame(0);
+  rig.send_frame(1);
+  ASSERT_TRUE(rig.builder.add_keyframe(rig.keyframes->front()).has_value());
+  rig.send(channels::kGraphSnapshot, rig.builder.graph().snapshot(1));
+  EXPECT_EQ(rig.order(), numbers(2));
+}
+
+TEST(TrackerService, IgnoresGraphsOfOtherSessionsAndOldOnes) {
+  Rig rig(true);
+  rig.send_frame(0);
+  ASSERT_TRUE(rig.builder.add_keyframe(rig.keyframes->front()).has_value());
+  const egraph::GraphSnapshot empty{1, 0, {}, {}, {}, {}, {}};
+  rig.send(channels::kGraphSnapshot, empty);
+  rig.send(channels::kGraphSnapshot, rig.builder.graph().snapshot(2));
+  egraph::GraphUpdate foreign;
+  foreign.session = 2;
+  foreign.base_version = 5;
+  foreign.version = 6;
+  foreign.keyframe.id = egraph::KeyframeId{5};
+  rig.send(channels::kGraphUpdate, foreign);
+  EXPECT_TRUE(rig.requests->empty());
+  rig.send_frame(1);
+  EXPECT_EQ(rig.order(), numbers(1)) << "still waiting for its own";
+}
+
+TEST(TrackerService, RefusesFramesOfAnotherSession) {
+  Rig rig(true);
+  rig.send_frame(0);
+  rig.answer_keyframes();
+  FrameFeatures foreign = frame(1);
+  foreign.header.session = 2;
+  rig.send(channels::kFeatures, foreign);
+  EXPECT_EQ(rig.order(), numbers(1));
+  EXPECT_EQ(rig.status().rejected, 1);
+  EXPECT_NE(rig.status().last_rejection.find("session"), std::string::npos);
+  rig.send_frame(1);
+  EXPECT_EQ(rig.order(), numbers(2));
+}
+
+TEST(TrackerService, SurvivesNonsense) {
+  Rig rig(true);
+  for (const char* channel :
+       {channels::kFeatures, channels::kGraphUpdate, channels::kGraphSnapshot, channels::kEndOfStream}) {
+    rig.send_bytes(channel, {});
+    rig.send_bytes(channel, {0xde, 0xad, 0xbe, 0xef});
+  }
+  EXPECT_EQ(rig.status().rejected, 8);
+  rig.send_frame(0);
+  EXPECT_EQ(rig.order(), numbers(1));
+}
+
+TEST(TrackerService, ALossyNetworkGivesTheSameResult) {
+  Rig undisturbed(true);
+  for (std::size_t i = 0; i < 30; ++i) {
+    undisturbed.send_frame(i);
+    undisturbed.answer_keyframes();
+  }
+  Rig lossy(true, {.loss = 0.3, .duplication = 0.2, .reordering = 0.2, .seed = 3});
+  std::int64_t now = 0;
+  for (int round = 0; round < 5'000; ++round) {
+    // The source sends the frames again that nobody has acknowledged, four at a time.
+    std::set<std::int64_t> done;
+    for (const messages::Acknowledge& acknowledge : *lossy.acknowledged) done.insert(acknowledge.sequence);
+    if (done.size() == 30) break;
+    int window = 0;
+    for (std::size_t i = 0; i < 30 && window < 4; ++i) {
+      if (done.contains(static_cast<std::int64_t>(i))) continue;
+      lossy.send_frame(i);
+      ++window;
+    }
+    lossy.answer_keyframes();
+    lossy.idle(now += 100'000);
+  }
+  std::map<std::int64_t, messages::Bytes> answers;
+  for (const PoseEstimate& pose : *lossy.poses) answers[pose.header.sequence] = messages::encode(pose);
+  ASSERT_GT(answers.size(), 20U) << "poses are a stream: a lost one is not sent again unless its frame is";
+  for (const auto& [sequence, answer] : answers) {
+    EXPECT_EQ(answer, messages::encode((*undisturbed.poses)[static_cast<std::size_t>(sequence)])) << sequence;
+  }
+  EXPECT_EQ(lossy.status().frames, 30);
+}
+
+std::vector<std::string> lines_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(TrackerService, SavesTrajectoryStatesKeyframesAndMap) {
+  Rig rig(true);
+  for (std::size_t i = 0; i < 25; ++i) {
+    rig.send_frame(i);
+    rig.answer_keyframes();
+  }
+  rig.send(channels::kEndOfStream, messages::EndOfStream{1, 25, {frame(3).header.utime + 5}});
+  ASSERT_TRUE(rig.save().has_value());
+
+  const auto trajectory = io::read_trajectory(rig.folder() / "trajectory.txt");
+  ASSERT_TRUE(trajectory.has_value()) << trajectory.error().message;
+  ASSERT_EQ(trajectory->size(), 25U);
+  EXPECT_NEAR((*trajectory)[24].time_s, 1e-6 * static_cast<double>(frame(24).header.utime), 1e-6);
+  const geometry::Pose& truth = recording().world_from_camera[24];
+  EXPECT_LT(((*trajectory)[24].world_from_camera.translation - truth.translation).norm(), 0.03);
+
+  const std::vector<std::string> states = lines_of(rig.folder() / "states.csv");
+  ASSERT_EQ(states.size(), 27U) << "a header, 25 frames and one that could not be read";
+  EXPECT_EQ(states[0].rfind("sequence,time_s,state", 0), 0U) << states[0];
+  EXPECT_EQ(states[1].rfind("0,1.000000,tracking", 0), 0U) << states[1];
+  EXPECT_NE(states[5].find("skipped"), std::string::npos) << "in the order of time: " << states[5];
+
+  const auto keyframes = io::read_trajectory(rig.folder() / "keyframes.txt");
+  ASSERT_TRUE(keyframes.has_value());
+  EXPECT_EQ(keyframes->size(), rig.keyframes->size());
+
+  const auto map = io::read_ply(rig.folder() / "map.ply");
+  ASSERT_TRUE(map.has_value()) << map.error().message;
+  EXPECT_GT(map->vertices.size(), 20U);
+}
+
+TEST(TrackerService, SavesEmptyFilesWhenNothingCame) {
+  Rig rig(true);
+  ASSERT_TRUE(rig.save().has_value());
+  EXPECT_EQ(lines_of(rig.folder() / "states.csv").size(), 1U);
+  EXPECT_TRUE(std::filesystem::exists(rig.folder() / "trajectory.txt"));
+}
+
+}  // namespace
+}  // namespace eg::services
