@@ -18,7 +18,7 @@ struct AssociationOptions {
 struct Association {
   std::size_t feature = 0;  ///< index into the frame's directions
   LandmarkId landmark;
-  double sign = 1.0;  ///< multiplies the feature's direction (paper, equation 7)
+  double sign = 1.0;  ///< multiplies the feature's direction (paper, equation 8)
 };
 
 /// Rotates each direction into the world and gives it to the landmark that it fits best, within the gates. Plane

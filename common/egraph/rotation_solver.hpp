@@ -35,12 +35,12 @@ std::optional<Eigen::Matrix3d> orthonormal_basis(const Eigen::Vector3d& v0, cons
 std::optional<Eigen::Matrix3d> rotation_from_two(const std::array<Eigen::Vector3d, 2>& in_j,
                                                  const std::array<Eigen::Vector3d, 2>& in_k);
 
-/// Three-observation case, equation 6. Nothing if the directions are near coplanar, or if noise gave the two bases
-/// opposite handedness (the result would be a reflection).
+/// Three-observation case (below equation 5). Nothing if the directions are near coplanar, or if noise gave the two
+/// bases opposite handedness (the result would be a reflection).
 std::optional<Eigen::Matrix3d> rotation_from_three(const std::array<Eigen::Vector3d, 3>& in_j,
                                                    const std::array<Eigen::Vector3d, 3>& in_k);
 
-/// Orthogonal-observation case, equation 7: the nearest rotation to V_j V_kᵀ for three mutually orthogonal directions.
+/// Orthogonal-observation case, equation 6: the nearest rotation to V_j V_kᵀ for three mutually orthogonal directions.
 /// Nothing if the handedness of the two triads differs.
 std::optional<Eigen::Matrix3d> rotation_from_orthogonal(const std::array<Eigen::Vector3d, 3>& in_j,
                                                         const std::array<Eigen::Vector3d, 3>& in_k);

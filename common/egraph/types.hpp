@@ -49,7 +49,7 @@ struct DirectionLandmark {
 struct Observation {
   KeyframeId keyframe;
   LandmarkId landmark;
-  Eigen::Vector3d direction_in_camera = Eigen::Vector3d::UnitZ();  ///< sign unified with the landmark (paper, eq. 7)
+  Eigen::Vector3d direction_in_camera = Eigen::Vector3d::UnitZ();  ///< sign unified with the landmark (paper, eq. 8)
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();            ///< rad², tangential
 };
 

@@ -46,7 +46,7 @@ TEST(Association, RotatesIntoTheWorldAndUnifiesTheSign) {
     ASSERT_EQ(found.size(), 2U);
     EXPECT_EQ(found[0].feature, 0U);
     EXPECT_EQ(found[0].landmark, LandmarkId{9});
-    EXPECT_EQ(found[0].sign, -1.0) << "the paper's equation 7";
+    EXPECT_EQ(found[0].sign, -1.0) << "the paper's equation 8";
     EXPECT_EQ(found[1].feature, 1U);
     EXPECT_EQ(found[1].landmark, LandmarkId{4});
     EXPECT_EQ(found[1].sign, 1.0);

@@ -73,7 +73,7 @@ TEST(RotationFromOrthogonal, IsExactForTriads) {
 }
 
 TEST(RotationFromOrthogonal, SpreadsNoiseOverAllThreeDirections) {
-  // Equation 7 as it stands is no rotation when directions are noisy; the nearest rotation to it is, and has no
+  // Equation 6 as it stands is no rotation when directions are noisy; the nearest rotation to it is, and has no
   // preferred direction, unlike Gram-Schmidt.
   base::Random random(4);
   Vector3d squared = Vector3d::Zero();
