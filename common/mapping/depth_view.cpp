@@ -33,6 +33,7 @@ DepthView::DepthView(const image::RectifiedFrame& frame, const TsdfOptions& opti
       steepest_(static_cast<float>(1.0 / (kMinObliqueness * frame.camera.fx))),
       inverse_depth_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)),
       obliqueness_(static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y_), kNone),
+      at_edge_(obliqueness_.size(), 1),
       colour_(frame.colour) {
   const auto nearest = static_cast<float>(options.min_depth);
   const auto farthest = static_cast<float>(options.max_depth);
@@ -47,7 +48,7 @@ DepthView::DepthView(const image::RectifiedFrame& frame, const TsdfOptions& opti
   compute_obliqueness(frame.camera);
 }
 
-std::vector<float> DepthView::block_means() const {
+std::vector<float> DepthView::measure_blocks() {
   std::vector<float> means(obliqueness_.size(), kNone);
   for (int y = 0; y < height_ / kBlock; ++y) {
     for (int x = 0; x < width_ / kBlock; ++x) {
@@ -62,7 +63,9 @@ std::vector<float> DepthView::block_means() const {
           high = std::max(high, inverse[column]);
         }
       }
-      if (low > 0.0F && !is_depth_edge(low, high, kBlock)) means[block(x, y)] = sum / (kBlock * kBlock);
+      if (low == 0.0F || is_depth_edge(low, high, kBlock)) continue;
+      means[block(x, y)] = sum / (kBlock * kBlock);
+      at_edge_[block(x, y)] = 0;
     }
   }
   return means;
@@ -71,7 +74,7 @@ std::vector<float> DepthView::block_means() const {
 void DepthView::compute_obliqueness(const geometry::CameraModel& camera) {
   // On the plane n·x = d, 1/z = (n/d)·ray is linear in the pixel; its coefficients give n/d, whose norm is 1/d. Beyond
   // the plane by dz along the axis, the distance from it is dz·d/z.
-  const std::vector<float> means = block_means();
+  const std::vector<float> means = measure_blocks();
   const auto mean_at = [&](int x, int y) {
     return x < 0 || y < 0 || x >= blocks_x_ || y >= blocks_y_ ? kNone : means[block(x, y)];
   };

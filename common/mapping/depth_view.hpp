@@ -28,6 +28,7 @@ class DepthView {
     /// Distance from the surface per difference of depth: the cosine of the angle between its normal and the optical
     /// axis, over that of the pixel's ray. Known by blocks of pixels.
     float obliqueness = 1.0F;
+    bool at_edge = false;  ///< in a block of pixels that show more than one surface, or not all of them any
   };
 
   /// Bilinear in the inverse depth, which is exact on planes; beside a depth edge or a missing reading, where a mean
@@ -44,13 +45,15 @@ class DepthView {
     const float dv = v - static_cast<float>(y);
     const float low = std::min(std::min(above[0], above[1]), std::min(below[0], below[1]));
     const float high = std::max(std::max(above[0], above[1]), std::max(below[0], below[1]));
-    const float obliqueness = obliqueness_[block(x / kBlock, y / kBlock)];
+    const std::size_t b = block(x / kBlock, y / kBlock);
+    const float obliqueness = obliqueness_[b];
+    const bool at_edge = at_edge_[b] != 0;
     if (is_depth_edge(low, high, 1.0F / obliqueness)) {
-      return {(dv < 0.5F ? above : below)[du < 0.5F ? 0 : 1], obliqueness};
+      return {(dv < 0.5F ? above : below)[du < 0.5F ? 0 : 1], obliqueness, at_edge};
     }
     const float upper = above[0] + du * (above[1] - above[0]);
     const float lower = below[0] + du * (below[1] - below[0]);
-    return {upper + dv * (lower - upper), obliqueness};
+    return {upper + dv * (lower - upper), obliqueness, at_edge};
   }
 
   /// Sample::obliqueness at a pixel.
@@ -80,8 +83,8 @@ class DepthView {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_x_) + static_cast<std::size_t>(x);
   }
 
-  /// Mean inverse depth of each block that lies on one surface, else NaN.
-  [[nodiscard]] std::vector<float> block_means() const;
+  /// Mean inverse depth of each block that lies on one surface, else NaN. Sets at_edge_.
+  std::vector<float> measure_blocks();
   void compute_obliqueness(const geometry::CameraModel& camera);
   void fill_gaps_in_obliqueness();
 
@@ -93,6 +96,7 @@ class DepthView {
   float steepest_;    ///< the same as a share of the depth: what the steepest surface that is looked at has
   std::vector<float> inverse_depth_;
   std::vector<float> obliqueness_;
+  std::vector<std::uint8_t> at_edge_;  ///< by blocks
   cv::Mat colour_;
 };
 

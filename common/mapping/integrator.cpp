@@ -61,7 +61,8 @@ class VoxelObserver {
     if (seen.inverse_depth == 0.0F) return {};
     const float depth = 1.0F / seen.inverse_depth;
     const float distance = (depth - point_in_camera.z()) * seen.obliqueness;
-    if (distance < -longest_truncation_) return {};
+    // Behind an object's outline its inside would border on the free space that is seen past it: a sheet of no surface.
+    if (distance < (seen.at_edge ? -voxel_size_ : -longest_truncation_)) return {};
     const auto limit = static_cast<float>(truncation(options_, depth));
     if (distance < -limit) return {};
     const float weight = units_.weight(depth) * certainty(distance, limit);

@@ -95,7 +95,7 @@ TEST(TsdfMapTest, DoesNotSmearAcrossDepthEdges) {
   const Mesh mesh = map.extract_mesh();
   const SurfaceError error = surface_error(mesh, [&](const auto& p) { return scene.distance(p); });
   EXPECT_LT(voxels(map, error.mean), 0.1);
-  EXPECT_LT(voxels(map, error.max), 1.0);
+  EXPECT_LT(voxels(map, error.max), 0.3);
   EXPECT_EQ(check_edges(mesh).overused, 0);
 }
 
