@@ -11,6 +11,9 @@
 namespace eg::services {
 namespace {
 
+/// Dropped frames in a row that are listed one by one: numbers come from the bus and must not size an allocation.
+constexpr std::int64_t kMaxGap = 100'000;
+
 double seconds(std::int64_t utime) { return static_cast<double>(utime) * 1e-6; }
 
 /// A text as one field of a CSV file (RFC 4180).
@@ -46,6 +49,11 @@ std::string state_row(const tracking::PoseEstimate& estimate) {
 
 std::string skipped_row(std::int64_t utime) {
   return join({"", io::format_fixed(seconds(utime), 6), "skipped", quoted("image could not be read"), "", "", "0", "0",
+               "0", "0"});
+}
+
+std::string dropped_row(std::int64_t sequence) {
+  return join({std::to_string(sequence), "", "dropped", quoted("its features did not arrive in time"), "", "", "0", "0",
                "0", "0"});
 }
 
@@ -110,11 +118,22 @@ base::Status TrackRecord::save_trajectory(const std::filesystem::path& path, con
 }
 
 base::Status TrackRecord::save_states(const std::filesystem::path& path) const {
-  std::vector<std::pair<std::int64_t, std::string>> rows;
-  for (const Row& row : rows_) rows.emplace_back(row.estimate.header.utime, state_row(row.estimate));
-  for (const std::int64_t utime : skipped_utimes_) {
-    rows.emplace_back(utime, skipped_row(utime));
+  std::vector<std::pair<std::int64_t, std::string>> rows;  // by time; a frame that never came has its predecessor's
+  std::int64_t expected = 0;
+  std::int64_t last_utime = 0;
+  for (const Row& row : rows_) {
+    const image::FrameHeader& header = row.estimate.header;
+    for (expected = std::max(expected, header.sequence - kMaxGap); expected < header.sequence; ++expected) {
+      rows.emplace_back(last_utime, dropped_row(expected));
+    }
+    rows.emplace_back(header.utime, state_row(row.estimate));
+    expected = header.sequence + 1;
+    last_utime = header.utime;
   }
+  for (expected = std::max(expected, frame_count_ - kMaxGap); expected < frame_count_; ++expected) {
+    rows.emplace_back(last_utime, dropped_row(expected));
+  }
+  for (const std::int64_t utime : skipped_utimes_) rows.emplace_back(utime, skipped_row(utime));
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::string text = "sequence,time_s,state,reason,keyframe,rotation_reference,points,lines,planes,directions\n";
   for (const auto& [utime, row] : rows) text += row;

@@ -19,8 +19,11 @@ class TrackRecord {
 
   [[nodiscard]] bool empty() const { return rows_.empty(); }
 
-  /// Frames that the source could not read.
-  void set_skipped(std::vector<std::int64_t> utimes) { skipped_utimes_ = std::move(utimes); }
+  /// What the source sent, and the frames that it could not read.
+  void set_end(std::int64_t frame_count, std::vector<std::int64_t> skipped_utimes) {
+    frame_count_ = frame_count;
+    skipped_utimes_ = std::move(skipped_utimes);
+  }
 
   base::Status save(const std::filesystem::path& folder, const tracking::Map& map) const;
 
@@ -35,6 +38,7 @@ class TrackRecord {
   [[nodiscard]] base::Status save_states(const std::filesystem::path& path) const;
 
   std::vector<Row> rows_;
+  std::int64_t frame_count_ = 0;  ///< of the whole stream; 0: not yet known
   std::vector<std::int64_t> skipped_utimes_;
 };
 

@@ -72,7 +72,7 @@ void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& snapshot) {
 }
 
 void TrackerService::on_end_of_stream(const messages::EndOfStream& end) {
-  if (end.session == session_) record_.set_skipped(end.skipped_utimes);
+  if (end.session == session_) record_.set_end(end.frame_count, end.skipped_utimes);
 }
 
 void TrackerService::forget_confirmed_keyframes() {
