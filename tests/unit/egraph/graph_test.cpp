@@ -128,7 +128,7 @@ TEST(Graph, SharingNeedsTwoLandmarksThatAreNotParallel) {
   ASSERT_TRUE(graph.apply(update(3, {kX, kY, kZ, kNearX})));
   const std::vector<LandmarkId> all = {kX.id, kY.id, kZ.id, kNearX.id};
   const std::vector<Edge> sharing = graph.sharing_keyframes(all);
-  EXPECT_EQ(olders(sharing), (std::vector<KeyframeId>{KeyframeId{2}, KeyframeId{3}}));
+  ASSERT_EQ(olders(sharing), (std::vector<KeyframeId>{KeyframeId{2}, KeyframeId{3}}));
   EXPECT_EQ(sharing[0].shared, (std::vector<LandmarkId>{kX.id, kY.id}));
   EXPECT_EQ(sharing[1].shared, all);
   EXPECT_EQ(graph.oldest_sharing_keyframe(all), KeyframeId{2});
@@ -150,7 +150,9 @@ TEST(Graph, OneKeyframeThatSeesALandmarkTwiceIsOneObserver) {
   twice.observations.push_back(twice.observations.front());
   ASSERT_TRUE(graph.apply(twice));
   EXPECT_EQ(graph.observers(kX.id).size(), 1U);
-  EXPECT_EQ(graph.sharing_keyframes(std::vector{kX.id, kY.id})[0].shared.size(), 2U);
+  const std::vector<Edge> sharing = graph.sharing_keyframes(std::vector{kX.id, kY.id});
+  ASSERT_EQ(sharing.size(), 1U);
+  EXPECT_EQ(sharing[0].shared.size(), 2U);
 }
 
 TEST(Graph, ASnapshotIsTheWholeGraph) {
