@@ -1,119 +1,14 @@
-#include "services/tracker/tracker_service.hpp"
-
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <map>
 #include <set>
-#include <sstream>
 
-#include "common/egraph/graph_builder.hpp"
-#include "common/io/ply.hpp"
-#include "common/io/trajectory_file.hpp"
-#include "common/messages/channels.hpp"
-#include "tests/support/bus_peer.hpp"
-#include "tests/support/feature_world.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/service/tracker/tracker_rig.hpp"
 
 namespace eg::services {
 namespace {
 
-namespace channels = messages::channels;
-using features::FrameFeatures;
-using tracking::PoseEstimate;
 using tracking::TrackingState;
-
-const test::FeatureSequence& recording() {
-  static const test::FeatureSequence sequence = [] {
-    const geometry::CameraModel camera = *geometry::find_camera("tum_fr3");
-    std::vector<geometry::Pose> poses;
-    for (int i = 0; i < 40; ++i) {
-      poses.push_back(test::looking_at({0.02 * i - 0.4, 0, -0.5}, {0.03 * i, 0.3, 2}, camera));
-    }
-    return test::record(test::make_room(), camera, poses, 1);
-  }();
-  return sequence;
-}
-
-const FrameFeatures& frame(std::size_t index) { return recording().frames[index]; }
-
-/// The tracker on a bus, with a peer in place of source, server and viewers.
-class Rig {
- public:
-  explicit Rig(bool lockstep, const transport::MemoryNetwork::Disturbance& disturbance = {})
-      : network_(std::make_shared<transport::MemoryNetwork>(disturbance)),
-        bus_(network_),
-        peer_(network_),
-        context_(bus_, options(lockstep)),
-        service_(context_, tracking::TrackerOptions{}),
-        poses(peer_.collect<PoseEstimate>(channels::kPose)),
-        acknowledged(peer_.collect<messages::Acknowledge>(channels::kAcknowledge)),
-        keyframes(peer_.collect<egraph::Keyframe>(channels::kKeyframe)),
-        requests(peer_.collect<messages::GraphRequest>(channels::kGraphRequest)) {}
-
-  template <typename T>
-  void send(const char* channel, const T& value) {
-    peer_.send(channel, value);
-    settle();
-  }
-  void send_bytes(const char* channel, const messages::Bytes& bytes) {
-    peer_.send_bytes(channel, bytes);
-    settle();
-  }
-  void send_frame(std::size_t index) { send(channels::kFeatures, frame(index)); }
-
-  /// Answers, as the server does, every keyframe that has arrived since the last call.
-  void answer_keyframes() {
-    for (; answered_ < keyframes->size(); ++answered_) {
-      const auto update = builder.add_keyframe((*keyframes)[answered_]);
-      if (update) peer_.send(channels::kGraphUpdate, *update);
-    }
-    settle();
-  }
-
-  void idle(std::int64_t utime) {
-    service_.idle(utime);
-    settle();
-  }
-
-  base::Status save() { return service_.save(); }
-  [[nodiscard]] messages::ServiceStatus status() { return context_.status().status(0); }
-  [[nodiscard]] const std::filesystem::path& folder() const { return folder_.path(); }
-
-  /// The sequence numbers of the poses so far.
-  [[nodiscard]] std::vector<std::int64_t> order() const {
-    std::vector<std::int64_t> sequences;
-    for (const PoseEstimate& pose : *poses) sequences.push_back(pose.header.sequence);
-    return sequences;
-  }
-
- private:
-  service::ServiceOptions options(bool lockstep) const {
-    service::ServiceOptions options;
-    options.name = "tracker";
-    options.out = folder_.path();
-    options.lockstep = lockstep;
-    return options;
-  }
-  void settle() {
-    while (bus_.handle(std::chrono::milliseconds(0)).value_or(0) + peer_.handle() > 0) {
-    }
-  }
-
-  test::TemporaryFolder folder_;
-  std::shared_ptr<transport::MemoryNetwork> network_;
-  transport::MemoryBus bus_;
-  test::BusPeer peer_;
-  service::ServiceContext context_;
-  TrackerService service_;
-  std::size_t answered_ = 0;
-
- public:
-  test::Inbox<PoseEstimate> poses;
-  test::Inbox<messages::Acknowledge> acknowledged;
-  test::Inbox<egraph::Keyframe> keyframes;
-  test::Inbox<messages::GraphRequest> requests;
-  egraph::GraphBuilder builder;
-};
 
 std::vector<std::int64_t> numbers(std::int64_t count) {
   std::vector<std::int64_t> result;
@@ -312,51 +207,6 @@ TEST(TrackerService, ALossyNetworkGivesTheSameResult) {
     EXPECT_EQ(answer, messages::encode((*undisturbed.poses)[static_cast<std::size_t>(sequence)])) << sequence;
   }
   EXPECT_EQ(lossy.status().frames, 30);
-}
-
-std::vector<std::string> lines_of(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(file, line);) lines.push_back(line);
-  return lines;
-}
-
-TEST(TrackerService, SavesTrajectoryStatesKeyframesAndMap) {
-  Rig rig(true);
-  for (std::size_t i = 0; i < 25; ++i) {
-    rig.send_frame(i);
-    rig.answer_keyframes();
-  }
-  rig.send(channels::kEndOfStream, messages::EndOfStream{1, 25, {frame(3).header.utime + 5}});
-  ASSERT_TRUE(rig.save().has_value());
-
-  const auto trajectory = io::read_trajectory(rig.folder() / "trajectory.txt");
-  ASSERT_TRUE(trajectory.has_value()) << trajectory.error().message;
-  ASSERT_EQ(trajectory->size(), 25U);
-  EXPECT_NEAR((*trajectory)[24].time_s, 1e-6 * static_cast<double>(frame(24).header.utime), 1e-6);
-  const geometry::Pose& truth = recording().world_from_camera[24];
-  EXPECT_LT(((*trajectory)[24].world_from_camera.translation - truth.translation).norm(), 0.03);
-
-  const std::vector<std::string> states = lines_of(rig.folder() / "states.csv");
-  ASSERT_EQ(states.size(), 27U) << "a header, 25 frames and one that could not be read";
-  EXPECT_EQ(states[0].rfind("sequence,time_s,state", 0), 0U) << states[0];
-  EXPECT_EQ(states[1].rfind("0,1.000000,tracking", 0), 0U) << states[1];
-  EXPECT_NE(states[5].find("skipped"), std::string::npos) << "in the order of time: " << states[5];
-
-  const auto keyframes = io::read_trajectory(rig.folder() / "keyframes.txt");
-  ASSERT_TRUE(keyframes.has_value());
-  EXPECT_EQ(keyframes->size(), rig.keyframes->size());
-
-  const auto map = io::read_ply(rig.folder() / "map.ply");
-  ASSERT_TRUE(map.has_value()) << map.error().message;
-  EXPECT_GT(map->vertices.size(), 20U);
-}
-
-TEST(TrackerService, SavesEmptyFilesWhenNothingCame) {
-  Rig rig(true);
-  ASSERT_TRUE(rig.save().has_value());
-  EXPECT_EQ(lines_of(rig.folder() / "states.csv").size(), 1U);
-  EXPECT_TRUE(std::filesystem::exists(rig.folder() / "trajectory.txt"));
 }
 
 }  // namespace

@@ -1,0 +1,157 @@
+// What goes wrong in front of a camera, and how the tracker bears it.
+#include "tests/unit/tracking/tracker_loop.hpp"
+
+namespace eg::tracking {
+namespace {
+
+using TrackerInTrouble = TrackerLoop;
+
+TEST_P(TrackerInTrouble, VanishedFeaturesMeanLostAndTheMapIsKept) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 6);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 160; ++i) {
+    FrameFeatures frame = sequence.frames[i];
+    const bool blind = i >= 100 && i < 110;
+    if (blind) {
+      frame.points.clear();
+      frame.lines.clear();
+      frame.planes.clear();
+      frame.directions.clear();
+    }
+    const std::size_t points_before = slam.tracker().map().points().size();
+    const PoseEstimate estimate = slam.step(frame);
+    EXPECT_TRUE(test::is_sound(estimate));
+    if (blind) {
+      EXPECT_EQ(estimate.state, TrackingState::lost) << "frame " << i;
+      EXPECT_FALSE(estimate.has_pose);
+      EXPECT_FALSE(estimate.keyframe.valid());
+      EXPECT_NE(estimate.reason, "");
+      EXPECT_EQ(slam.tracker().map().points().size(), points_before);
+    }
+  }
+  EXPECT_EQ(slam.estimates()[110].state, TrackingState::relocalised);
+  EXPECT_TRUE(slam.estimates()[110].has_pose);
+  for (std::size_t i = 111; i < 160; ++i) EXPECT_EQ(slam.estimates()[i].state, TrackingState::tracking) << i;
+  EXPECT_EQ(slam.tracker().map().keyframes().front().id, KeyframeId{0}) << "one map";
+  const test::LoopErrors errors = test::errors(slam.estimates(), sequence);
+  EXPECT_EQ(errors.poses, 150);
+  EXPECT_LT(errors.worst_rotation, 0.7 * kDegree);
+  EXPECT_LT(errors.worst_translation, 0.04);
+}
+
+TEST_P(TrackerInTrouble, AWhiteCornerIsFoundAgainToo) {
+  const FeatureSequence sequence =
+      test::record(test::make_room(white_room()), camera_, before_a_corner(camera_, 60), 14);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 60; ++i) {
+    FrameFeatures frame = sequence.frames[i];
+    if (i >= 30 && i < 36) {
+      frame.planes.clear();
+      frame.directions.clear();
+    }
+    slam.step(frame);
+  }
+  for (std::size_t i = 30; i < 36; ++i) EXPECT_EQ(slam.estimates()[i].state, TrackingState::lost);
+  EXPECT_EQ(slam.estimates()[36].state, TrackingState::relocalised);
+  EXPECT_EQ(slam.estimates().back().state, TrackingState::tracking);
+  EXPECT_LT(test::errors(slam.estimates(), sequence).worst_translation, 0.04);
+}
+
+TEST_P(TrackerInTrouble, RelocalisesAtAPlaceSeenLongAgo) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 7);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 120; ++i) slam.step(sequence.frames[i]);
+  // Carried back to the start with the lens covered, for three seconds.
+  constexpr std::int64_t kFrame = 33'333;  // microseconds
+  image::FrameHeader header = sequence.frames[119].header;
+  FrameFeatures dark;
+  dark.camera = camera_;
+  for (int i = 0; i < 90; ++i) {
+    header = {header.session, header.sequence + 1, header.utime + kFrame};
+    dark.header = header;
+    EXPECT_EQ(slam.step(dark).state, TrackingState::lost);
+  }
+  int found = 0;
+  for (std::size_t i = 0; i < 40; ++i) {
+    FrameFeatures frame = sequence.frames[i];
+    frame.header = header = {header.session, header.sequence + 1, header.utime + kFrame};
+    const PoseEstimate estimate = slam.step(frame);
+    if (!estimate.has_pose) continue;
+    EXPECT_EQ(estimate.state, found++ == 0 ? TrackingState::relocalised : TrackingState::tracking);
+    const Pose& truth = sequence.world_from_camera[i];
+    EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 1.0 * kDegree);
+    EXPECT_LT((estimate.world_from_camera.translation - truth.translation).norm(), 0.05);
+  }
+  EXPECT_GT(found, 25) << "all keyframes are tried in turn, three a frame";
+}
+
+TEST_P(TrackerInTrouble, TimeNeverRunsBackwards) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 8);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 30; ++i) slam.step(sequence.frames[i]);
+  const std::size_t keyframes = slam.keyframes().size();
+  const std::size_t points = slam.tracker().map().points().size();
+  for (const std::size_t old : {std::size_t{29}, std::size_t{28}, std::size_t{0}}) {
+    const PoseEstimate estimate = slam.step(sequence.frames[old]);
+    EXPECT_FALSE(estimate.has_pose);
+    EXPECT_NE(estimate.reason.find("time"), std::string::npos) << estimate.reason;
+    EXPECT_FALSE(estimate.keyframe.valid());
+  }
+  EXPECT_EQ(slam.keyframes().size(), keyframes);
+  EXPECT_EQ(slam.tracker().map().points().size(), points);
+  const PoseEstimate next = slam.step(sequence.frames[30]);
+  EXPECT_EQ(next.state, TrackingState::tracking) << "a refused frame is not lost track";
+}
+
+TEST_P(TrackerInTrouble, AFrameFromAnotherWorldIsNoKeyframe) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 9);
+  test::RoomOptions elsewhere;
+  elsewhere.half_size = {1.7, 1.6, 1.9};
+  elsewhere.orientation = geometry::so3_exp({0.3, 1.0, 0.2});
+  elsewhere.seed = 99;
+  const FeatureSequence other = test::record(test::make_room(elsewhere), camera_, walk_around(camera_, 240), 10);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 60; ++i) slam.step(sequence.frames[i]);
+  const std::size_t keyframes = slam.keyframes().size();
+  for (std::size_t i = 60; i < 70; ++i) {
+    const PoseEstimate estimate = slam.step(other.frames[i]);
+    EXPECT_FALSE(estimate.keyframe.valid()) << "frame " << i;
+    EXPECT_NE(estimate.state, TrackingState::tracking) << "frame " << i;
+  }
+  EXPECT_EQ(slam.keyframes().size(), keyframes);
+  for (std::size_t i = 70; i < 90; ++i) slam.step(sequence.frames[i]);
+  EXPECT_EQ(slam.estimates().back().state, TrackingState::tracking) << "back in its own world";
+}
+
+TEST_P(TrackerInTrouble, WaitsForAFrameThatCanStartAMap) {
+  const FeatureSequence sequence =
+      test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 12);
+  SlamLoop slam;
+  FrameFeatures empty;
+  empty.camera = camera_;
+  empty.header = {1, 0, 1};
+  const PoseEstimate waiting = slam.step(empty);
+  EXPECT_EQ(waiting.state, TrackingState::initialising);
+  EXPECT_FALSE(waiting.has_pose);
+  EXPECT_NE(waiting.reason, "");
+  const PoseEstimate started = slam.step(sequence.frames[0]);
+  EXPECT_EQ(started.state, TrackingState::tracking);
+  EXPECT_EQ(started.keyframe, KeyframeId{0});
+  EXPECT_TRUE(started.world_from_camera.rotation.isIdentity());
+  EXPECT_TRUE(started.world_from_camera.translation.isZero());
+}
+
+TEST_P(TrackerInTrouble, ALongGapBetweenFramesIsBridged) {
+  // Half a second without a frame, in which the camera keeps its speed.
+  FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 480), 13);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 60; ++i) slam.step(sequence.frames[i]);
+  for (std::size_t i = 72; i < 120; ++i) slam.step(sequence.frames[i]);
+  EXPECT_TRUE(slam.estimates().back().has_pose);
+  EXPECT_LT(test::errors(slam.estimates(), sequence).worst_translation, 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, TrackerInTrouble, two_cameras(), camera_name);
+
+}  // namespace
+}  // namespace eg::tracking
