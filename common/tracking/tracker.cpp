@@ -66,6 +66,8 @@ TrackResult Tracker::track(const FrameFeatures& features) {
   estimate_translation_with_rotation_fixed(frame);  // section 3.1, equation 1 with R known; section 5
   refine_against_map(frame);                        // section 5, frame-to-map refinement
 
+  if (lost_ && points_contradict(frame)) return recover(features, "planes fit here, but none of the expected points");
+
   const Observability observed = observability(frame.solution.information);
   const bool proven = frame.solution.inlier_points() >= options_.min_points_without_planes ||
                       frame.solution.inlier_planes() > 0 || frame.solution.inlier_lines() >= 4;
@@ -231,6 +233,13 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
     estimate.keyframe = result.keyframe->id;
   }
   return result;
+}
+
+bool Tracker::points_contradict(const Frame& frame) const {
+  const auto expected = visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world);
+  return static_cast<int>(expected.size()) >= options_.min_expected_points &&
+         static_cast<int>(frame.features.points.size()) >= options_.min_expected_points &&
+         frame.solution.inlier_points() < options_.min_points_without_planes;
 }
 
 bool Tracker::sees_new_structure(const Frame& frame) const {

@@ -34,6 +34,7 @@ struct TrackerOptions {
   double max_rotation_sigma = 0.0175;        ///< radians (1°): worse is `lost`
   std::int64_t max_blind_utime = 2'000'000;  ///< microseconds for which the last pose still says where to look
   int min_points_without_planes = 7;         ///< fewer agreeing points are no proof of a pose
+  int min_expected_points = 20;  ///< so many, and hardly one found: planes that fit are another room corner's
 };
 
 /// What became of a frame.
@@ -69,6 +70,8 @@ class Tracker {
   void refine_against_map(Frame& frame) const;
   void match_and_build_problem(Frame& frame, double radius) const;
   void keep_inliers(Frame& frame) const;
+  /// After a loss: many points are expected and many are seen, but they are not the same.
+  [[nodiscard]] bool points_contradict(const Frame& frame) const;
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
   [[nodiscard]] int features_of_last_keyframe(const Frame& frame) const;
   egraph::Keyframe add_keyframe(const Frame& frame, const PoseEstimate& estimate);
