@@ -151,6 +151,23 @@ TEST_P(TrackerInTrouble, ALongGapBetweenFramesIsBridged) {
   EXPECT_LT(test::errors(slam.estimates(), sequence).worst_translation, 0.05);
 }
 
+/// Shortly after a loss the camera looks the other way in a box-shaped room: three planes fit a pose that is 180
+/// degrees off.
+TEST_P(TrackerInTrouble, PlanesAloneAreNoProofWhereManyPointsContradict) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 7);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 120; ++i) slam.step(sequence.frames[i]);
+  for (std::size_t i = 0; i < 40; ++i) {
+    FrameFeatures frame = i < 3 ? FrameFeatures{} : sequence.frames[i];
+    frame.camera = camera_;
+    frame.header = sequence.frames[120 + i].header;
+    const PoseEstimate estimate = slam.step(frame);
+    if (!estimate.has_pose) continue;
+    const Pose& truth = sequence.world_from_camera[i];
+    EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 1.0 * kDegree);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Cameras, TrackerInTrouble, two_cameras(), camera_name);
 
 }  // namespace
