@@ -21,8 +21,6 @@ constexpr double kMaxRange = 8.0;
 /// A feature expected at least this often and found in less than this share of the frames is culled.
 constexpr int kMinExpected = 20;
 constexpr double kMinFoundRatio = 0.25;
-/// Scale between two levels of the point extractor's pyramid.
-constexpr double kPyramidScale = 1.2;
 /// Floor on a map point's variance (0.5 mm): what calibration leaves even after many views.
 constexpr double kMinVariance = 2.5e-7;
 

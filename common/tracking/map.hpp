@@ -15,6 +15,9 @@
 namespace eg::tracking {
 
 using egraph::KeyframeId;
+/// Scale between two levels of the point extractor's pyramid.
+inline constexpr double kPyramidScale = 1.2;
+
 using PointId = base::Id<struct PointTag>;
 using LineId = base::Id<struct LineTag>;
 using PlaneId = base::Id<struct PlaneTag>;

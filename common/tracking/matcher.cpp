@@ -18,7 +18,6 @@ using features::LineFeature;
 using features::PointFeature;
 using geometry::Pose;
 
-constexpr double kPyramidScale = 1.2;
 /// Nearest depth (metres) at which a feature is expected to be visible.
 constexpr double kMinDepth = 0.2;
 /// A corner seen from more than 60° aside of where it was made no longer looks alike.

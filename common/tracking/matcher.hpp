@@ -16,7 +16,7 @@ struct MatchOptions {
   int max_line_descriptor_distance = 90;
   double max_plane_angle = 0.17;     ///< radians (10°)
   double max_plane_distance = 0.10;  ///< metres, at the region's centroid
-  double max_plane_chi2 = 16.27;     ///< 99.9 % quantile of chi²(3)
+  double max_plane_chi2 = 16.27;     ///< of that distance: four standard deviations
 };
 
 /// The number of bits in which two descriptors differ.
