@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "common/geometry/plane.hpp"
+#include "common/synthetic/sequence.hpp"
+#include "common/synthetic/structure.hpp"
+
+namespace eg::features_eval {
+
+/// What should be found in one frame of a synthetic sequence, in the camera frame.
+struct FrameTruth {
+  std::vector<geometry::Plane> planes;
+  std::vector<int> plane_pixels;                 ///< how many pixels show each plane
+  cv::Mat plane_of_pixel;                        ///< CV_16SC1, index into planes; -1: none
+  std::vector<Eigen::Vector3d> parallel_groups;  ///< directions of at least kGroupEdges long visible edges
+  std::vector<Eigen::Vector3d> directions;       ///< all directions of visible edges and of what is painted on surfaces
+
+  static constexpr int kGroupEdges = 3;
+  static constexpr double kLongEdge = 0.05;  ///< of the image's diagonal
+};
+
+FrameTruth frame_truth(const synthetic::SyntheticSequence& sequence, const synthetic::SceneStructure& structure,
+                       int index);
+
+}  // namespace eg::features_eval
