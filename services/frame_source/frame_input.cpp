@@ -6,6 +6,7 @@
 #include "common/io/camera_file.hpp"
 #include "common/io/dataset.hpp"
 #include "common/synthetic/sequence.hpp"
+#include "services/frame_source/observation_input.hpp"
 
 namespace eg::services {
 namespace {
@@ -29,7 +30,7 @@ class RecordedInput : public FrameInput {
     return dataset_.frames[static_cast<std::size_t>(index)].utime;
   }
 
-  [[nodiscard]] base::Result<image::RgbdFrame> read(std::int64_t index) const override {
+  [[nodiscard]] base::Result<SourceFrame> read(std::int64_t index) const override {
     return io::read_frame(dataset_, static_cast<std::size_t>(index), camera_.camera);
   }
 
@@ -55,7 +56,7 @@ class SyntheticInput : public FrameInput {
   [[nodiscard]] std::int64_t utime(std::int64_t index) const override {
     return sequence_.utime(static_cast<int>(index));
   }
-  [[nodiscard]] base::Result<image::RgbdFrame> read(std::int64_t index) const override {
+  [[nodiscard]] base::Result<SourceFrame> read(std::int64_t index) const override {
     return sequence_.frame(static_cast<int>(index));
   }
   [[nodiscard]] std::vector<geometry::StampedPose> ground_truth() const override {
@@ -104,6 +105,7 @@ base::Result<std::unique_ptr<FrameInput>> open_recording(const InputOptions& opt
 
 base::Result<std::unique_ptr<FrameInput>> open_input(const InputOptions& options) {
   if (options.max_frames < 0) return base::fail("the number of frames must not be negative");
+  if (!options.observations.empty()) return open_observations(options);
   return options.dataset.starts_with(kSynthetic) ? open_synthetic(options) : open_recording(options);
 }
 

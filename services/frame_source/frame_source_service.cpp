@@ -65,30 +65,30 @@ void FrameSourceService::idle(std::int64_t now_utime) {
 
 void FrameSourceService::run_lockstep(std::int64_t now_utime) {
   while (window_.has_room()) {
-    std::optional<image::RgbdFrame> frame = next_frame();
+    std::optional<SourceFrame> frame = next_frame();
     if (!frame) break;
     send(*frame);
     window_.add(*std::move(frame), now_utime);
   }
-  if (const image::RgbdFrame* lost = window_.to_resend(now_utime)) {
-    context_.publish(messages::channels::kRgbd, *lost);
+  if (const SourceFrame* lost = window_.to_resend(now_utime)) {
+    publish(*lost);
   }
 }
 
 void FrameSourceService::run_realtime(std::int64_t now_utime) {
   if (!waiting_) waiting_ = next_frame();
   if (!waiting_) return;
-  const std::optional<std::int64_t> until_due = pacer_.until(waiting_->header.utime, now_utime);
+  const std::optional<std::int64_t> until_due = pacer_.until(header_of(*waiting_).utime, now_utime);
   if (!until_due || *until_due > kSleepAtMost) return;
   if (*until_due > 0) std::this_thread::sleep_for(microseconds(*until_due));
   send(*waiting_);
   waiting_.reset();
 }
 
-std::optional<image::RgbdFrame> FrameSourceService::next_frame() {
+std::optional<SourceFrame> FrameSourceService::next_frame() {
   while (std::optional<ReadAhead::Item> item = reader_.take(kPatience)) {
     if (item->frame) {
-      item->frame->header = {session_, sent_, input_->utime(item->index)};
+      header_of(*item->frame) = {session_, sent_, input_->utime(item->index)};
       return *std::move(item->frame);
     }
     spdlog::warn("frame {} is skipped: {}", item->index, item->frame.error().message);
@@ -97,12 +97,20 @@ std::optional<image::RgbdFrame> FrameSourceService::next_frame() {
   return std::nullopt;
 }
 
-void FrameSourceService::send(const image::RgbdFrame& frame) {
+void FrameSourceService::send(const SourceFrame& frame) {
   const auto start = steady_clock::now();
-  context_.publish(messages::channels::kRgbd, frame);
+  publish(frame);
   context_.status().set_state("sending");
   context_.status().count_frame(std::chrono::duration<double, std::milli>(steady_clock::now() - start).count());
-  sent_ = frame.header.sequence + 1;
+  sent_ = header_of(frame).sequence + 1;
+}
+
+void FrameSourceService::publish(const SourceFrame& frame) {
+  if (const auto* images = std::get_if<image::RgbdFrame>(&frame)) {
+    context_.publish(messages::channels::kRgbd, *images);
+  } else {
+    context_.publish(messages::channels::kFeatures, std::get<features::FrameFeatures>(frame));
+  }
 }
 
 void FrameSourceService::announce_end(std::int64_t now_utime) {

@@ -24,7 +24,8 @@ struct FrameSourceOptions {
 /// Says what is wrong with the options.
 base::Status validate(const FrameSourceOptions& options, bool lockstep);
 
-/// Publishes the frames of a recording or a synthetic scene as RGBD, then END_OF_STREAM until the process is ended.
+/// Publishes the frames of a recording or a synthetic scene as RGBD, or as FEATURES if the recording holds those, then
+/// END_OF_STREAM until the process is ended.
 ///
 /// Lockstep: a few frames ahead of the consumers' acknowledgements, each until all have acknowledged it.
 /// Real time: by the recording's time stamps, from when all consumers are there.
@@ -43,8 +44,9 @@ class FrameSourceService : public service::Service {
   void run_lockstep(std::int64_t now_utime);
   void run_realtime(std::int64_t now_utime);
   /// The next readable frame, with its header complete, if there is one yet.
-  std::optional<image::RgbdFrame> next_frame();
-  void send(const image::RgbdFrame& frame);
+  std::optional<SourceFrame> next_frame();
+  void send(const SourceFrame& frame);
+  void publish(const SourceFrame& frame);
   void announce_end(std::int64_t now_utime);
 
   service::ServiceContext& context_;
@@ -52,7 +54,7 @@ class FrameSourceService : public service::Service {
   std::shared_ptr<const FrameInput> input_;
   LockstepWindow window_;
   RealtimePacer pacer_;
-  std::optional<image::RgbdFrame> waiting_;  ///< real time: read, not yet due
+  std::optional<SourceFrame> waiting_;  ///< real time: read, not yet due
   std::int64_t sent_ = 0;
   std::vector<std::int64_t> skipped_utimes_;
   std::int64_t now_utime_ = 0;

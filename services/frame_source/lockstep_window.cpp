@@ -12,7 +12,7 @@ LockstepWindow::LockstepWindow(const std::vector<std::string>& consumers, const 
   for (const std::string& consumer : consumers) acknowledged_.emplace(consumer, -1);
 }
 
-void LockstepWindow::add(image::RgbdFrame frame, std::int64_t now_utime) {
+void LockstepWindow::add(SourceFrame frame, std::int64_t now_utime) {
   EG_CHECK(has_room(), "a lockstep window is never overfilled");
   if (in_flight_.empty()) last_progress_ = now_utime;
   in_flight_.push_back(std::move(frame));
@@ -21,17 +21,17 @@ void LockstepWindow::add(image::RgbdFrame frame, std::int64_t now_utime) {
 void LockstepWindow::acknowledge(const std::string& consumer, std::int64_t sequence, std::int64_t now_utime) {
   const auto known = acknowledged_.find(consumer);
   // Nobody can be done with what was not sent: such a number would let the source run away.
-  if (known == acknowledged_.end() || in_flight_.empty() || sequence > in_flight_.back().header.sequence) return;
+  if (known == acknowledged_.end() || in_flight_.empty() || sequence > header_of(in_flight_.back()).sequence) return;
   if (sequence <= known->second) return;
   known->second = sequence;
   last_progress_ = now_utime;
   patience_ = options_.resend_after;
   const auto slowest = std::min_element(acknowledged_.begin(), acknowledged_.end(),
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
-  while (!in_flight_.empty() && in_flight_.front().header.sequence <= slowest->second) in_flight_.pop_front();
+  while (!in_flight_.empty() && header_of(in_flight_.front()).sequence <= slowest->second) in_flight_.pop_front();
 }
 
-const image::RgbdFrame* LockstepWindow::to_resend(std::int64_t now_utime) {
+const SourceFrame* LockstepWindow::to_resend(std::int64_t now_utime) {
   if (in_flight_.empty() || now_utime - last_progress_ < patience_) return nullptr;
   last_progress_ = now_utime;
   patience_ = std::min(2 * patience_, options_.longest_resend);

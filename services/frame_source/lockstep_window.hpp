@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/image/rgbd_frame.hpp"
+#include "services/frame_source/source_frame.hpp"
 
 namespace eg::services {
 
@@ -25,18 +25,18 @@ class LockstepWindow {
   [[nodiscard]] bool has_room() const { return in_flight_.size() < options_.frames; }
   [[nodiscard]] bool empty() const { return in_flight_.empty(); }
 
-  void add(image::RgbdFrame frame, std::int64_t now_utime);
+  void add(SourceFrame frame, std::int64_t now_utime);
 
   /// `consumer` is done with `sequence` and everything before. Unknown consumers do not count.
   void acknowledge(const std::string& consumer, std::int64_t sequence, std::int64_t now_utime);
 
   /// The oldest frame in flight, if it is time to send it again; null otherwise.
-  [[nodiscard]] const image::RgbdFrame* to_resend(std::int64_t now_utime);
+  [[nodiscard]] const SourceFrame* to_resend(std::int64_t now_utime);
 
  private:
   Options options_;
   std::map<std::string, std::int64_t> acknowledged_;  ///< by consumer, the newest sequence; -1: none
-  std::deque<image::RgbdFrame> in_flight_;
+  std::deque<SourceFrame> in_flight_;
   std::int64_t last_progress_ = 0;
   std::int64_t patience_;
 };

@@ -12,6 +12,9 @@ void add_options(CLI::App& app, services::FrameSourceOptions& options) {
   app.add_option("--dataset", options.input.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE")
       ->envname("EGRAPH_DATASET")
       ->capture_default_str();
+  app.add_option("--observations", options.input.observations,
+                 "Folder of feature-level data in the format of Open-Structure, instead of --dataset")
+      ->envname("EGRAPH_OBSERVATIONS");
   app.add_option("--camera", options.input.camera, "Camera by name or YAML file; without it found from the data set")
       ->envname("EGRAPH_CAMERA");
   app.add_option("--frames", options.input.max_frames, "Read at most this many frames; 0: all")
@@ -27,8 +30,8 @@ void add_options(CLI::App& app, services::FrameSourceOptions& options) {
 }
 
 void configure(io::ConfigSchema& section, services::FrameSourceOptions& options) {
-  section.section("synthetic", "the built-in scenes")
-      .field("seed", options.input.seed, {0, 1e15}, "of textures and noise")
+  section.section("synthetic", "what is made up: the built-in scenes, the depth of observations")
+      .field("seed", options.input.seed, {0, 1e15}, "of textures and noise, also of the depth of observations")
       .field("noise", options.input.noise, "of a structured-light depth camera and its colour camera");
 }
 

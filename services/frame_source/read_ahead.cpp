@@ -7,7 +7,7 @@ namespace eg::services {
 namespace {
 
 /// Image libraries throw on what they cannot do; on this thread that must become an error like any other.
-base::Result<image::RgbdFrame> read_guarded(const FrameInput& input, std::int64_t index) {
+base::Result<SourceFrame> read_guarded(const FrameInput& input, std::int64_t index) {
   try {
     return input.read(index);
   } catch (const std::exception& exception) {

@@ -20,7 +20,7 @@ class ReadAhead {
  public:
   struct Item {
     std::int64_t index = 0;
-    base::Result<image::RgbdFrame> frame;
+    base::Result<SourceFrame> frame;
   };
 
   ReadAhead(std::shared_ptr<const FrameInput> input, std::size_t frames_ahead);

@@ -6,6 +6,7 @@
 
 #include "common/io/camera_file.hpp"
 #include "common/io/dataset.hpp"
+#include "common/io/open_structure.hpp"
 #include "common/synthetic/sequence.hpp"
 
 namespace eg::run {
@@ -57,10 +58,30 @@ base::Result<Input> inspect_recording(const RunOptions& options) {
   return input;
 }
 
+base::Result<Input> inspect_observations(const RunOptions& options) {
+  const auto camera_option = options.camera.empty() ? std::nullopt : std::optional<std::string>(options.camera);
+  const auto camera = io::resolve_camera(options.observations, camera_option);
+  if (!camera) return tl::make_unexpected(camera.error());
+  const auto recording = io::read_open_structure(options.observations);
+  if (!recording) return tl::make_unexpected(recording.error());
+  Input input;
+  input.observations = std::filesystem::absolute(options.observations).string();
+  input.y_up = camera->camera.fy < 0.0;
+  input.frames = limited(static_cast<std::int64_t>(recording->frames.size()), options.frames);
+  input.description = "observations of " + options.observations + ", " + camera->how;
+  input.ground_truth = options.out / "groundtruth.txt";  // written by the frame source
+  return input;
+}
+
+base::Result<Input> inspect(const RunOptions& options) {
+  if (!options.observations.empty()) return inspect_observations(options);
+  return options.dataset.starts_with(kSynthetic) ? inspect_synthetic(options) : inspect_recording(options);
+}
+
 }  // namespace
 
 base::Result<Input> inspect_input(const RunOptions& options) {
-  auto input = options.dataset.starts_with(kSynthetic) ? inspect_synthetic(options) : inspect_recording(options);
+  auto input = inspect(options);
   if (input) input->camera = absolute_if_file(options.camera);
   return input;
 }

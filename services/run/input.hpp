@@ -11,7 +11,8 @@ namespace eg::run {
 
 /// What is known of the input before anything is started.
 struct Input {
-  std::string dataset;                 ///< absolute path, or synthetic:SCENE
+  std::string dataset;                 ///< absolute path, or synthetic:SCENE; empty: observations
+  std::string observations;            ///< absolute path; empty: a data set
   std::string camera;                  ///< name, or absolute path of a file; empty: found from the data set
   std::string description;             ///< for people
   bool y_up = false;                   ///< the camera's fy is negative
@@ -19,8 +20,8 @@ struct Input {
   std::filesystem::path ground_truth;  ///< empty: none. May come into being during the run.
 };
 
-/// Checks the input as far as that is quick: folder, lists, camera, the first images. The error says what is wrong with
-/// which file.
+/// Checks the input as far as that is quick: folder, lists, camera, the first images, all observations. The error says
+/// what is wrong with which file.
 base::Result<Input> inspect_input(const RunOptions& options);
 
 }  // namespace eg::run

@@ -28,8 +28,10 @@ int main(int argc, char** argv) {
   eg::run::RunOptions options;
   bool no_mapper = false;
   CLI::App app("Runs the whole system on a recording: trajectory, E-Graph and mesh into a folder", "egraph-run");
-  app.add_option("--dataset", options.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE")
-      ->required();
+  auto* input = app.add_option_group("input", "what to run on")->require_option(1);
+  input->add_option("--dataset", options.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE");
+  input->add_option("--observations", options.observations,
+                    "Folder of feature-level data in the format of Open-Structure; implies --no-mapper");
   app.add_option("--camera", options.camera, "Camera by name or YAML file; without it found from the data set");
   app.add_option("--out", options.out, "Folder for the results; those of an earlier run are replaced")->required();
   app.add_flag("--realtime", options.realtime, "At the sensor's rate, dropping frames, instead of in lockstep");
@@ -41,7 +43,7 @@ int main(int argc, char** argv) {
   app.add_option("--procman", options.procman, "procman configuration to start the services from");
   app.add_option("--lcm-url", options.lcm_url, "LCM provider to run on; without it a port of this run's own");
   CLI11_PARSE(app, argc, argv);
-  options.mapper = !no_mapper;
+  options.mapper = !no_mapper && options.observations.empty();
 
   catch_signals();
   try {

@@ -24,7 +24,9 @@ constexpr int kInterruptedExitCode = 130;  ///< what a shell reports for SIGINT
 std::filesystem::path own_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
 
 std::string script_name(const RunOptions& options) {
-  return std::string(options.log ? "log-and-run" : "run") + (options.mapper ? "" : "-without-mapper");
+  const std::string what = options.log ? "log-and-run" : "run";
+  if (!options.observations.empty()) return what + "-observations";
+  return what + (options.mapper ? "" : "-without-mapper");
 }
 
 /// The procman configuration, found beside the programs' folder unless given, once it is known to be good.
@@ -52,6 +54,7 @@ void set_environment(const RunOptions& options, const Input& input, const std::f
   set_environment("EGRAPH_OUT", out.string());
   set_environment("EGRAPH_LOCKSTEP", options.realtime ? "" : "1");
   set_environment("EGRAPH_DATASET", input.dataset);
+  set_environment("EGRAPH_OBSERVATIONS", input.observations);
   set_environment("EGRAPH_CAMERA", input.camera);
   set_environment("EGRAPH_FRAMES", std::to_string(options.frames));
   set_environment("EGRAPH_CONSUMERS", options.mapper ? "tracker,mapper" : "tracker");

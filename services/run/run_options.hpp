@@ -9,6 +9,7 @@ namespace eg::run {
 /// The command line of egraph-run.
 struct RunOptions {
   std::string dataset;            ///< folder of a recording, or synthetic:SCENE
+  std::string observations;       ///< folder of feature-level data instead; the mapper has nothing to do then
   std::string camera;             ///< name or YAML file; empty: found from the data set
   std::filesystem::path out;      ///< results
   bool realtime = false;          ///< at the sensor's rate instead of in lockstep

@@ -15,7 +15,7 @@ class FakeInput : public services::FrameInput {
 
   [[nodiscard]] std::int64_t size() const override { return size_; }
   [[nodiscard]] std::int64_t utime(std::int64_t index) const override { return 5'000'000 + 100'000 * index; }
-  [[nodiscard]] base::Result<image::RgbdFrame> read(std::int64_t index) const override {
+  [[nodiscard]] base::Result<services::SourceFrame> read(std::int64_t index) const override {
     if (unreadable_.contains(index)) return base::fail("image " + std::to_string(index) + " is cut short");
     const geometry::CameraModel camera{"tiny", 16, 12, 20, 20, 7.5, 5.5, {}, 1000, 10};
     return image::RgbdFrame{{0, 0, utime(index)},
@@ -26,6 +26,9 @@ class FakeInput : public services::FrameInput {
   [[nodiscard]] std::string description() const override { return "fake"; }
 
   /// The index of the frame that was read.
+  static std::int64_t index_of(const services::SourceFrame& frame) {
+    return index_of(std::get<image::RgbdFrame>(frame));
+  }
   static std::int64_t index_of(const image::RgbdFrame& frame) { return frame.depth.at<std::uint16_t>(0, 0) - 1; }
 
  private:

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <memory>
+
+#include "services/frame_source/frame_input.hpp"
+
+namespace eg::services {
+
+/// Opens a recording of features in the text format of Open-Structure: options.observations.
+base::Result<std::unique_ptr<FrameInput>> open_observations(const InputOptions& options);
+
+}  // namespace eg::services
