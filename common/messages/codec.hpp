@@ -27,8 +27,21 @@ struct RgbdEncoding {
   int jpeg_quality = codec::kDefaultJpegQuality;  ///< 1 to 100
 };
 
-Bytes encode(const image::RgbdFrame& frame);
-Bytes encode(const image::RgbdFrame& frame, const RgbdEncoding& encoding);
+/// A frame whose images are still as the message carries them: to be stored, sent again or passed on without loss.
+struct CompressedFrame {
+  image::FrameHeader header;
+  geometry::CameraModel camera;
+  codec::ColourEncoding colour_encoding = codec::ColourEncoding::jpeg;
+  Bytes colour;  ///< JPEG or PNG
+  Bytes depth;   ///< codec::encode_depth()
+};
+
+CompressedFrame compress(const image::RgbdFrame& frame, const RgbdEncoding& encoding = {});
+/// The error names the field whose content is no image of the camera's size.
+base::Result<image::RgbdFrame> decompress(const CompressedFrame& frame);
+
+Bytes encode(const image::RgbdFrame& frame);  ///< as encode(compress(frame))
+Bytes encode(const CompressedFrame& frame);
 Bytes encode(const features::FrameFeatures& features);
 Bytes encode(const tracking::PoseEstimate& pose);
 Bytes encode(const tracking::PoseCorrection& correction);
@@ -49,6 +62,8 @@ base::Result<T> decode(ByteView bytes);
 
 template <>
 base::Result<image::RgbdFrame> decode(ByteView bytes);
+template <>
+base::Result<CompressedFrame> decode(ByteView bytes);
 template <>
 base::Result<features::FrameFeatures> decode(ByteView bytes);
 template <>

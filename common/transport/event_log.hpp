@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <istream>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,8 +18,9 @@ namespace eg::transport {
 
 /// One message of a log file.
 struct LogEvent {
-  std::int64_t utime = 0;  ///< when it was received, microseconds
-  std::string channel;     ///< with its prefix
+  std::uint64_t offset = 0;  ///< of its first byte in the file
+  std::int64_t utime = 0;    ///< when it was received, microseconds
+  std::string channel;       ///< with its prefix
   std::vector<std::uint8_t> bytes;
 };
 
@@ -28,19 +31,38 @@ class EventLogReader {
  public:
   static base::Result<EventLogReader> open(const std::filesystem::path& path);
 
-  /// The next event; nothing at the end of the file; an error where the file is damaged or ends within an event.
+  /// Reads from anything that can be sought; `name` stands in error messages.
+  EventLogReader(std::unique_ptr<std::istream> stream, std::string name, std::uint64_t size)
+      : stream_(std::move(stream)), name_(std::move(name)), size_(size) {}
+
+  /// The next event; nothing at the end of the file; an error that names the byte where the file is damaged or ends
+  /// within an event.
   base::Result<std::optional<LogEvent>> next();
 
+  /// After an error: goes to the next place where an event can begin, that is, one that is followed by another or by
+  /// the end of the file. Returns how many bytes were passed over.
+  std::uint64_t recover();
+
+  /// Where next() reads: the offset of an event.
+  void seek(std::uint64_t offset) { position_ = offset; }
+
  private:
-  EventLogReader(std::ifstream file, std::filesystem::path path, std::uint64_t size)
-      : file_(std::move(file)), path_(std::move(path)), bytes_left_(size) {}
+  struct Header {
+    std::int64_t utime = 0;
+    std::uint64_t channel_bytes = 0;
+    std::uint64_t data_bytes = 0;
+    [[nodiscard]] std::uint64_t event_bytes() const;
+  };
 
-  [[nodiscard]] base::Status damaged(const std::string& what) const;
+  base::Result<Header> read_header(std::uint64_t offset);
+  [[nodiscard]] bool is_event(std::uint64_t offset);
+  [[nodiscard]] bool read_at(std::uint64_t offset, void* bytes, std::uint64_t count);
+  [[nodiscard]] base::Error damaged(std::uint64_t offset, const std::string& what) const;
 
-  std::ifstream file_;
-  std::filesystem::path path_;
-  std::uint64_t bytes_left_;
-  std::int64_t events_read_ = 0;
+  std::unique_ptr<std::istream> stream_;
+  std::string name_;
+  std::uint64_t size_;
+  std::uint64_t position_ = 0;
 };
 
 /// Writes such files; lcm-logplayer and LCM's file:// URLs read them.

@@ -6,12 +6,14 @@
 #include "common/io/camera_file.hpp"
 #include "common/io/dataset.hpp"
 #include "common/synthetic/sequence.hpp"
+#include "services/frame_source/log_input.hpp"
 #include "services/frame_source/observation_input.hpp"
 
 namespace eg::services {
 namespace {
 
 constexpr std::string_view kSynthetic = "synthetic:";
+constexpr std::string_view kLog = "log:";
 
 std::int64_t limited(std::int64_t available, std::int64_t max_frames) {
   return max_frames > 0 ? std::min(available, max_frames) : available;
@@ -31,7 +33,9 @@ class RecordedInput : public FrameInput {
   }
 
   [[nodiscard]] base::Result<SourceFrame> read(std::int64_t index) const override {
-    return io::read_frame(dataset_, static_cast<std::size_t>(index), camera_.camera);
+    return io::read_frame(dataset_, static_cast<std::size_t>(index), camera_.camera).map([](const auto& frame) {
+      return SourceFrame(messages::compress(frame));
+    });
   }
 
   [[nodiscard]] std::string description() const override {
@@ -57,7 +61,7 @@ class SyntheticInput : public FrameInput {
     return sequence_.utime(static_cast<int>(index));
   }
   [[nodiscard]] base::Result<SourceFrame> read(std::int64_t index) const override {
-    return sequence_.frame(static_cast<int>(index));
+    return messages::compress(sequence_.frame(static_cast<int>(index)));
   }
   [[nodiscard]] std::vector<geometry::StampedPose> ground_truth() const override {
     std::vector<geometry::StampedPose> poses = sequence_.ground_truth();
@@ -106,6 +110,7 @@ base::Result<std::unique_ptr<FrameInput>> open_recording(const InputOptions& opt
 base::Result<std::unique_ptr<FrameInput>> open_input(const InputOptions& options) {
   if (options.max_frames < 0) return base::fail("the number of frames must not be negative");
   if (!options.observations.empty()) return open_observations(options);
+  if (options.dataset.starts_with(kLog)) return open_log(options.dataset.substr(kLog.size()), options);
   return options.dataset.starts_with(kSynthetic) ? open_synthetic(options) : open_recording(options);
 }
 

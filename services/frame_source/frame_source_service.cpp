@@ -33,10 +33,11 @@ base::Status validate(const FrameSourceOptions& options, bool lockstep) {
 FrameSourceService::FrameSourceService(service::ServiceContext& context, const FrameSourceOptions& options,
                                        std::unique_ptr<FrameInput> input)
     : context_(context),
-      session_(options.session),
+      session_(options.input.session.value_or(input->session())),
       input_(std::move(input)),
       window_(options.consumers, options.window),
       pacer_(options.consumers),
+      skipped_utimes_(input_->skipped_utimes()),
       reader_(input_, kFramesAhead) {
   context_.status().set_state("waiting for consumers");
   spdlog::info("{}", input_->description());
@@ -106,7 +107,7 @@ void FrameSourceService::send(const SourceFrame& frame) {
 }
 
 void FrameSourceService::publish(const SourceFrame& frame) {
-  if (const auto* images = std::get_if<image::RgbdFrame>(&frame)) {
+  if (const auto* images = std::get_if<messages::CompressedFrame>(&frame)) {
     context_.publish(messages::channels::kRgbd, *images);
   } else {
     context_.publish(messages::channels::kFeatures, std::get<features::FrameFeatures>(frame));

@@ -17,15 +17,14 @@ namespace eg::services {
 struct FrameSourceOptions {
   InputOptions input;
   std::vector<std::string> consumers = {"tracker", "mapper"};  ///< services that acknowledge frames
-  std::int64_t session = 1;
   LockstepWindow::Options window;
 };
 
 /// Says what is wrong with the options.
 base::Status validate(const FrameSourceOptions& options, bool lockstep);
 
-/// Publishes the frames of a recording or a synthetic scene as RGBD, or as FEATURES if the recording holds those, then
-/// END_OF_STREAM until the process is ended.
+/// Publishes the frames of a recording, a log or a synthetic scene as RGBD, or as FEATURES if the recording holds
+/// those, then END_OF_STREAM until the process is ended.
 ///
 /// Lockstep: a few frames ahead of the consumers' acknowledgements, each until all have acknowledged it.
 /// Real time: by the recording's time stamps, from when all consumers are there.

@@ -9,7 +9,8 @@ namespace {
 using namespace eg;
 
 void add_options(CLI::App& app, services::FrameSourceOptions& options) {
-  app.add_option("--dataset", options.input.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE")
+  app.add_option("--dataset", options.input.dataset,
+                 "Folder in TUM RGB-D or ICL-NUIM layout, synthetic:SCENE or log:FILE")
       ->envname("EGRAPH_DATASET")
       ->capture_default_str();
   app.add_option("--observations", options.input.observations,
@@ -24,9 +25,11 @@ void add_options(CLI::App& app, services::FrameSourceOptions& options) {
       ->envname("EGRAPH_CONSUMERS")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--session", options.session, "Number of this recording or robot, carried by every message")
-      ->envname("EGRAPH_SESSION")
-      ->capture_default_str();
+  app.add_option("--session", options.input.session,
+                 "Number of this recording or robot, carried by every message (1); which of a log's sessions to replay")
+      ->envname("EGRAPH_SESSION");
+  app.add_option("--log-channel", options.input.log_channel, "Channel of a log's frames if there are several")
+      ->envname("EGRAPH_LOG_CHANNEL");
 }
 
 void configure(io::ConfigSchema& section, services::FrameSourceOptions& options) {

@@ -14,8 +14,8 @@
 
 namespace eg::services {
 
-/// Reads an input on a thread of its own, a few frames ahead, so that decoding images does not delay those who wait for
-/// them. Frames come out in order, and each once, however the threads are scheduled.
+/// Reads an input on a thread of its own, a few frames ahead, so that reading and compressing images does not delay
+/// those who wait for them. Frames come out in order, and each once, however the threads are scheduled.
 class ReadAhead {
  public:
   struct Item {

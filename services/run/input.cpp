@@ -7,6 +7,7 @@
 #include "common/io/camera_file.hpp"
 #include "common/io/dataset.hpp"
 #include "common/io/open_structure.hpp"
+#include "common/recording/frame_log.hpp"
 #include "common/synthetic/sequence.hpp"
 
 namespace eg::run {
@@ -73,7 +74,28 @@ base::Result<Input> inspect_observations(const RunOptions& options) {
   return input;
 }
 
+base::Result<Input> inspect_log(const RunOptions& options) {
+  const std::filesystem::path folder = std::filesystem::absolute(options.log_in).parent_path();
+  std::error_code absent;
+  if (std::filesystem::equivalent(folder, options.out, absent)) {
+    return base::fail("the log " + options.log_in.string() + " is in the folder " + options.out.string() +
+                      ", whose contents would be replaced: choose another for --out");
+  }
+  const auto log = recording::FrameLog::open(options.log_in, {options.log_channel, options.session});
+  if (!log) return tl::make_unexpected(log.error());
+  Input input;
+  input.dataset = "log:" + std::filesystem::absolute(options.log_in).string();
+  input.y_up = log->camera().fy < 0.0;
+  input.frames = limited(static_cast<std::int64_t>(log->frames().size()), options.frames);
+  input.session = log->session();
+  input.description =
+      options.log_in.string() + ", session " + std::to_string(log->session()) + ", camera " + log->camera().name;
+  input.ground_truth = folder / "groundtruth.txt";  // if the run that was recorded left one
+  return input;
+}
+
 base::Result<Input> inspect(const RunOptions& options) {
+  if (!options.log_in.empty()) return inspect_log(options);
   if (!options.observations.empty()) return inspect_observations(options);
   return options.dataset.starts_with(kSynthetic) ? inspect_synthetic(options) : inspect_recording(options);
 }

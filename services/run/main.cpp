@@ -32,6 +32,10 @@ int main(int argc, char** argv) {
   input->add_option("--dataset", options.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE");
   input->add_option("--observations", options.observations,
                     "Folder of feature-level data in the format of Open-Structure; implies --no-mapper");
+  auto* log_in = input->add_option("--log-in", options.log_in, "LCM log of an earlier run or of a robot, to replay");
+  app.add_option("--session", options.session, "Which of the log's sessions, if there are several")->needs(log_in);
+  app.add_option("--log-channel", options.log_channel, "Where the log's frames are, if on several channels")
+      ->needs(log_in);
   app.add_option("--camera", options.camera, "Camera by name or YAML file; without it found from the data set");
   app.add_option("--out", options.out, "Folder for the results; those of an earlier run are replaced")->required();
   app.add_flag("--realtime", options.realtime, "At the sensor's rate, dropping frames, instead of in lockstep");

@@ -58,7 +58,8 @@ void set_environment(const RunOptions& options, const Input& input, const std::f
   set_environment("EGRAPH_CAMERA", input.camera);
   set_environment("EGRAPH_FRAMES", std::to_string(options.frames));
   set_environment("EGRAPH_CONSUMERS", options.mapper ? "tracker,mapper" : "tracker");
-  set_environment("EGRAPH_SESSION", "1");
+  set_environment("EGRAPH_SESSION", std::to_string(input.session));
+  set_environment("EGRAPH_LOG_CHANNEL", options.log_channel);
 }
 
 /// Kills what the sheriff may have left (only if it was itself killed). Returns how many processes there were.

@@ -2,23 +2,27 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace eg::run {
 
 /// The command line of egraph-run.
 struct RunOptions {
-  std::string dataset;            ///< folder of a recording, or synthetic:SCENE
-  std::string observations;       ///< folder of feature-level data instead; the mapper has nothing to do then
-  std::string camera;             ///< name or YAML file; empty: found from the data set
-  std::filesystem::path out;      ///< results
-  bool realtime = false;          ///< at the sensor's rate instead of in lockstep
-  bool mapper = true;             ///< also make the dense map
-  std::filesystem::path config;   ///< YAML for all services; empty: their defaults
-  bool log = false;               ///< record all messages into run.lcm
-  std::int64_t frames = 0;        ///< at most; 0: all
-  std::filesystem::path procman;  ///< empty: the configuration that comes with the programs
-  std::string lcm_url;            ///< empty: a port that no other run uses
+  std::string dataset;                  ///< folder of a recording, or synthetic:SCENE
+  std::filesystem::path log_in;         ///< LCM log to take the frames from instead
+  std::string log_channel;              ///< where they are in it; empty: the only channel that has any
+  std::optional<std::int64_t> session;  ///< which of the log's sessions; nothing: the only one
+  std::string observations;             ///< folder of feature-level data instead; the mapper has nothing to do then
+  std::string camera;                   ///< name or YAML file; empty: found from the data set
+  std::filesystem::path out;            ///< results
+  bool realtime = false;                ///< at the sensor's rate instead of in lockstep
+  bool mapper = true;                   ///< also make the dense map
+  std::filesystem::path config;         ///< YAML for all services; empty: their defaults
+  bool log = false;                     ///< record all messages into run.lcm
+  std::int64_t frames = 0;              ///< at most; 0: all
+  std::filesystem::path procman;        ///< empty: the configuration that comes with the programs
+  std::string lcm_url;                  ///< empty: a port that no other run uses
 };
 
 }  // namespace eg::run

@@ -35,7 +35,7 @@ TEST(FrameInput, ReadsARecordingUpToTheFrameLimit) {
   EXPECT_TRUE((*input)->ground_truth().empty());
   const auto frame = (*input)->read(1);
   ASSERT_TRUE(frame.has_value());
-  EXPECT_EQ(std::get<image::RgbdFrame>(*frame).camera.name, "icl");
+  EXPECT_EQ(std::get<messages::CompressedFrame>(*frame).camera.name, "icl");
   EXPECT_EQ((*input)->utime(1), 33'333);
 }
 
@@ -77,7 +77,7 @@ TEST(FrameInput, SyntheticScenesTakeAnyCamera) {
   ASSERT_TRUE(input.has_value()) << input.error().message;
   const auto frame = (*input)->read(1);
   ASSERT_TRUE(frame.has_value());
-  EXPECT_LT(std::get<image::RgbdFrame>(*frame).camera.fy, 0.0);
+  EXPECT_LT(std::get<messages::CompressedFrame>(*frame).camera.fy, 0.0);
   EXPECT_EQ((*input)->ground_truth().size(), 2U);
 }
 

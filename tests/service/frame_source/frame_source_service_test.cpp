@@ -44,7 +44,7 @@ class FrameSource : public testing::Test {
     listener_context_->subscribe<EndOfStream>(channels::kEndOfStream, 0,
                                               [this](const EndOfStream& end) { ends_.push_back(end); });
     services::FrameSourceOptions options;
-    options.session = kSession;
+    options.input.session = kSession;
     source_ = std::make_unique<services::FrameSourceService>(*source_context_, options, std::move(input));
   }
 

@@ -91,14 +91,27 @@ TEST_F(EndToEnd, RunsInRealTimeWithoutTheMapper) {
   EXPECT_FALSE(std::filesystem::exists(out / "mesh.ply"));
 }
 
-TEST_F(EndToEnd, RecordsAllMessages) {
+TEST_F(EndToEnd, ALogHoldsAllMessagesAndGivesTheSameResultsAgain) {
   const auto out = folder_.path() / "out";
-  Program run("egraph-run", arguments(out, 5, {"--log"}));
+  const auto again = folder_.path() / "again";
+  Program run("egraph-run", arguments(out, 30, {"--log"}));
   ASSERT_EQ(run.wait(), 0) << run.output();
   const std::string log = file_bytes(out / "run.lcm");
-  for (const char* channel : {"RGBD", "FEATURES", "POSE", "KEYFRAME", "EGRAPH_UPDATE", "STATUS"}) {
+  for (const char* channel : {"RGBD", "FEATURES", "POSE", "KEYFRAME", "EGRAPH_UPDATE", "STATUS", "END_OF_STREAM"}) {
     EXPECT_THAT(log, HasSubstr(channel));
   }
+
+  Program replay("egraph-run", {"--log-in", (out / "run.lcm").string(), "--out", again.string()});
+  ASSERT_EQ(replay.wait(), 0) << replay.output();
+  for (const char* name : {"trajectory.txt", "states.csv", "keyframes.txt", "egraph.json", "map.ply", "mesh.ply"}) {
+    EXPECT_FALSE(file_bytes(again / name).empty()) << name;
+    EXPECT_TRUE(file_bytes(out / name) == file_bytes(again / name)) << name << " differs from the recorded run";
+  }
+  EXPECT_THAT(replay.output(), HasSubstr("ATE")) << "the recorded run's ground truth lies beside the log";
+
+  Program into_itself("egraph-run", {"--log-in", (out / "run.lcm").string(), "--out", out.string()});
+  EXPECT_EQ(into_itself.wait(), 1);
+  EXPECT_TRUE(file_bytes(out / "run.lcm") == log);
 }
 
 TEST_F(EndToEnd, AnInterruptionKeepsWhatWasComputed) {

@@ -13,7 +13,7 @@ namespace {
 template <typename T>
 Bytes exact_encode(const T& value) {
   if constexpr (std::is_same_v<T, image::RgbdFrame>) {
-    return encode(value, RgbdEncoding{codec::ColourEncoding::png});
+    return encode(compress(value, {codec::ColourEncoding::png}));
   } else {
     return encode(value);
   }

@@ -90,8 +90,56 @@ TEST_F(EventLog, SaysWhereAFileEndsTooSoon) {
     std::filesystem::resize_file(path_, cut);
     std::string error;
     EXPECT_THAT(read_all(&error), ElementsAre("one", ""));
-    EXPECT_THAT(error, HasSubstr("ends within an event (after 2 events)"));
+    EXPECT_THAT(error, HasSubstr("ends within an event (byte 69)"));
   }
+}
+
+TEST_F(EventLog, GoesOnBehindDamageAndCountsWhatItPassedOver) {
+  write_three();
+  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(36);  // the second event's sync word
+  file.write("lost", 4);
+  file.close();
+  auto reader = EventLogReader::open(path_);
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(reader->next().value()->offset, 0U);
+  const auto damaged = reader->next();
+  ASSERT_FALSE(damaged);
+  EXPECT_THAT(damaged.error().message, HasSubstr("run.lcm has no event (byte 36)"));
+  EXPECT_EQ(reader->recover(), 33U);
+  const auto third = reader->next();
+  ASSERT_TRUE(third && *third) << third.error().message;
+  EXPECT_EQ((*third)->channel, "EG1_B");
+  EXPECT_EQ((*third)->offset, 69U);
+  EXPECT_EQ(reader->next().value(), std::nullopt);
+  reader->seek(69);
+  EXPECT_EQ(reader->next().value()->channel, "EG1_B");
+}
+
+TEST_F(EventLog, DoesNotTakeASyncWordWithinAMessageForAnEvent) {
+  auto writer = EventLogWriter::create(path_);
+  ASSERT_TRUE(writer);
+  const std::string trap("\xed\xa1\xda\x01 and 24 bytes that look like no header at all", 52);
+  ASSERT_TRUE(writer->write("A", bytes_of(trap), 1));
+  ASSERT_TRUE(writer->write("B", bytes_of("good"), 2));
+  ASSERT_TRUE(writer->flush());
+  std::fstream(path_, std::ios::in | std::ios::out | std::ios::binary).write("lost", 4);
+  auto reader = EventLogReader::open(path_);
+  ASSERT_TRUE(reader);
+  EXPECT_FALSE(reader->next());
+  EXPECT_EQ(reader->recover(), 28U + 1U + 52U);
+  EXPECT_EQ(reader->next().value()->channel, "B");
+}
+
+TEST_F(EventLog, FindsNothingBehindACutEnd) {
+  write_three();
+  std::filesystem::resize_file(path_, std::filesystem::file_size(path_) - 1);
+  auto reader = EventLogReader::open(path_);
+  ASSERT_TRUE(reader);
+  EXPECT_TRUE(reader->next() && reader->next());
+  EXPECT_FALSE(reader->next());
+  EXPECT_EQ(reader->recover(), 37U);
+  EXPECT_EQ(reader->next().value(), std::nullopt);
 }
 
 TEST_F(EventLog, RefusesImpossibleLengthsAndOtherFiles) {
