@@ -1,14 +1,15 @@
 #include "common/mapping/depth_view.hpp"
 
-#include <cmath>
+#include <oneapi/tbb/parallel_for.h>
+
 #include <limits>
 
 namespace eg::mapping {
 namespace {
 
 // Below this, at 81 degrees, slopes are too uncertain; above the other, no pixel of a usual lens can be.
-constexpr double kMinObliqueness = 0.15;
-constexpr double kMaxObliqueness = 2.0;
+constexpr float kMinObliqueness = 0.15F;
+constexpr float kMaxObliqueness = 2.0F;
 // Slopes are taken between blocks this far apart: noise counts less, and at 8 pixels objects are still resolved.
 constexpr int kReach = 2;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -30,88 +31,96 @@ DepthView::DepthView(const image::RectifiedFrame& frame, const TsdfOptions& opti
       blocks_x_((width_ + kBlock - 1) / kBlock),
       blocks_y_((height_ + kBlock - 1) / kBlock),
       continuity_(static_cast<float>(2.0 * options.voxel_size)),
-      steepest_(static_cast<float>(1.0 / (kMinObliqueness * frame.camera.fx))),
-      inverse_depth_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)),
-      obliqueness_(static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y_), kNone),
-      at_edge_(obliqueness_.size(), 1),
-      colour_(frame.colour) {
-  const auto nearest = static_cast<float>(options.min_depth);
-  const auto farthest = static_cast<float>(options.max_depth);
-  for (int y = 0; y < height_; ++y) {
-    const auto* depth = frame.depth.ptr<float>(y);
-    float* inverse = &inverse_depth_[index(0, y)];
-    for (int x = 0; x < width_; ++x) {
-      const bool usable = depth[x] >= nearest && depth[x] <= farthest;  // false for NaN
-      inverse[x] = usable ? 1.0F / depth[x] : 0.0F;
-    }
-  }
-  compute_obliqueness(frame.camera);
+      steepest_(static_cast<float>(1.0 / (static_cast<double>(kMinObliqueness) * frame.camera.fx))),
+      inverse_depth_(pixel(1, height_ + 1), 0.0F),
+      obliqueness_(block(0, blocks_y_), kNone),
+      colour_(frame.colour.isContinuous() ? frame.colour : frame.colour.clone()) {
+  invert_depth(frame.depth, options);
+  compute_obliqueness(frame.camera, measure_blocks());
 }
 
-std::vector<float> DepthView::measure_blocks() {
+void DepthView::invert_depth(const cv::Mat& depth, const TsdfOptions& options) {
+  const auto nearest = static_cast<float>(options.min_depth);
+  const auto farthest = static_cast<float>(options.max_depth);
+  tbb::parallel_for(0, height_, [&](int y) {
+    const auto* row = depth.ptr<float>(y);
+    float* inverse = &inverse_depth_[pixel(0, y)];
+    for (int x = 0; x < width_; ++x) {
+      const bool usable = row[x] >= nearest && row[x] <= farthest;  // false for NaN
+      inverse[x] = usable ? 1.0F / row[x] : 0.0F;
+    }
+  });
+}
+
+std::vector<float> DepthView::measure_blocks() const {
   std::vector<float> means(obliqueness_.size(), kNone);
-  for (int y = 0; y < height_ / kBlock; ++y) {
+  tbb::parallel_for(0, height_ / kBlock, [&](int y) {
     for (int x = 0; x < width_ / kBlock; ++x) {
       float sum = 0.0F;
       float low = std::numeric_limits<float>::max();
       float high = 0.0F;
       for (int row = 0; row < kBlock; ++row) {
-        const float* inverse = &inverse_depth_[index(x * kBlock, y * kBlock + row)];
+        const float* inverse = &inverse_depth_[pixel(x * kBlock, y * kBlock + row)];
         for (int column = 0; column < kBlock; ++column) {
           sum += inverse[column];
           low = std::min(low, inverse[column]);
           high = std::max(high, inverse[column]);
         }
       }
-      if (low == 0.0F || is_depth_edge(low, high, kBlock)) continue;
-      means[block(x, y)] = sum / (kBlock * kBlock);
-      at_edge_[block(x, y)] = 0;
+      if (low > 0.0F && !is_depth_edge(low, high, kBlock)) means[block(x, y)] = sum / (kBlock * kBlock);
     }
-  }
+  });
   return means;
 }
 
-void DepthView::compute_obliqueness(const geometry::CameraModel& camera) {
+void DepthView::compute_obliqueness(const geometry::CameraModel& camera, const std::vector<float>& means) {
   // On the plane n·x = d, 1/z = (n/d)·ray is linear in the pixel; its coefficients give n/d, whose norm is 1/d. Beyond
   // the plane by dz along the axis, the distance from it is dz·d/z.
-  const std::vector<float> means = measure_blocks();
   const auto mean_at = [&](int x, int y) {
     return x < 0 || y < 0 || x >= blocks_x_ || y >= blocks_y_ ? kNone : means[block(x, y)];
   };
-  for (int y = 0; y < blocks_y_; ++y) {
+  const auto fx = static_cast<float>(camera.fx);
+  const auto fy = static_cast<float>(camera.fy);
+  constexpr auto kStep = static_cast<float>(kReach * kBlock);
+  tbb::parallel_for(0, blocks_y_, [&](int y) {
+    const float v = static_cast<float>(kBlock * y) + 0.5F * (kBlock - 1) - static_cast<float>(camera.cy);
     for (int x = 0; x < blocks_x_; ++x) {
       const float here = mean_at(x, y);
-      const double slope_u = one_sided_slope(mean_at(x - kReach, y), here, mean_at(x + kReach, y)) / (kReach * kBlock);
-      const double slope_v = one_sided_slope(mean_at(x, y - kReach), here, mean_at(x, y + kReach)) / (kReach * kBlock);
-      const double u = kBlock * x + 0.5 * (kBlock - 1) - camera.cx;
-      const double v = kBlock * y + 0.5 * (kBlock - 1) - camera.cy;
-      const Eigen::Vector3d normal_over_distance(camera.fx * slope_u, camera.fy * slope_v,
-                                                 here - slope_u * u - slope_v * v);
+      if (std::isnan(here)) continue;
+      const float slope_u = one_sided_slope(mean_at(x - kReach, y), here, mean_at(x + kReach, y)) / kStep;
+      const float slope_v = one_sided_slope(mean_at(x, y - kReach), here, mean_at(x, y + kReach)) / kStep;
+      const float u = static_cast<float>(kBlock * x) + 0.5F * (kBlock - 1) - static_cast<float>(camera.cx);
+      const Eigen::Vector3f normal_over_distance(fx * slope_u, fy * slope_v, here - slope_u * u - slope_v * v);
       obliqueness_[block(x, y)] =
-          static_cast<float>(std::clamp(here / normal_over_distance.norm(), kMinObliqueness, kMaxObliqueness));
+          std::clamp(here / normal_over_distance.norm(), kMinObliqueness, kMaxObliqueness);  // NaN stays
     }
-  }
-  fill_gaps_in_obliqueness();
+  });
+  fill_gaps_in_obliqueness(means);
 }
 
-void DepthView::fill_gaps_in_obliqueness() {
+void DepthView::fill_gaps_in_obliqueness(const std::vector<float>& means) {
   const std::vector<float> known = obliqueness_;
-  for (int y = 0; y < blocks_y_; ++y) {
+  tbb::parallel_for(0, blocks_y_, [&](int y) {
     for (int x = 0; x < blocks_x_; ++x) {
-      if (!std::isnan(known[block(x, y)])) continue;
-      float sum = 0.0F;
-      int count = 0;
-      for (int row = std::max(0, y - 1); row < std::min(blocks_y_, y + 2); ++row) {
-        for (int column = std::max(0, x - 1); column < std::min(blocks_x_, x + 2); ++column) {
-          const float value = known[block(column, row)];
-          if (std::isnan(value)) continue;
-          sum += value;
-          ++count;
-        }
-      }
-      obliqueness_[block(x, y)] = count > 0 ? sum / static_cast<float>(count) : 1.0F;
+      float& obliqueness = obliqueness_[block(x, y)];
+      if (std::isnan(obliqueness)) obliqueness = mean_around(known, x, y);
+      if (std::isnan(means[block(x, y)])) obliqueness = -obliqueness;
+    }
+  });
+}
+
+float DepthView::mean_around(const std::vector<float>& obliqueness, int x, int y) const {
+  float sum = 0.0F;
+  int count = 0;
+  for (int row = std::max(0, y - 1); row < std::min(blocks_y_, y + 2); ++row) {
+    for (int column = std::max(0, x - 1); column < std::min(blocks_x_, x + 2); ++column) {
+      const float value = obliqueness[block(column, row)];
+      if (std::isnan(value)) continue;
+      sum += value;
+      ++count;
     }
   }
+  return count > 0 ? sum / static_cast<float>(count) : 1.0F;
 }
 
 }  // namespace eg::mapping

@@ -1,102 +1,82 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "common/image/rgbd_frame.hpp"
-#include "common/mapping/mesh.hpp"
 #include "common/mapping/tsdf_options.hpp"
 
 namespace eg::mapping {
 
-/// A frame prepared for being looked up at the projections of voxels.
+/// A frame prepared for being looked up at the projections of voxels: inverse depth by pixels, slope and edges by
+/// blocks of pixels. Plain arrays, so that loops over voxels can be vectorised.
 class DepthView {
  public:
+  static constexpr int kBlock = 4;  ///< side of a block, pixels
+
   DepthView(const image::RectifiedFrame& frame, const TsdfOptions& options);
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] int blocks_x() const { return blocks_x_; }
+  [[nodiscard]] int blocks_y() const { return blocks_y_; }
 
-  /// 1 / depth of a pixel, 1/m; 0 where there is no usable reading.
-  [[nodiscard]] float inverse_depth(int x, int y) const { return inverse_depth_[index(x, y)]; }
+  /// 1 / depth of the pixels, 1/m, row by row; 0 where there is no usable reading. One row and a pixel longer than the
+  /// image, so that the neighbours below and to the right of every pixel can be read.
+  [[nodiscard]] const float* inverse_depth() const { return inverse_depth_.data(); }
+  [[nodiscard]] float inverse_depth(int x, int y) const { return inverse_depth_[pixel(x, y)]; }
 
-  /// What is seen at a position between pixels.
-  struct Sample {
-    float inverse_depth = 0.0F;  ///< 1/m; 0 where there is nothing
-    /// Distance from the surface per difference of depth: the cosine of the angle between its normal and the optical
-    /// axis, over that of the pixel's ray. Known by blocks of pixels.
-    float obliqueness = 1.0F;
-    bool at_edge = false;  ///< in a block of pixels that show more than one surface, or not all of them any
-  };
-
-  /// Bilinear in the inverse depth, which is exact on planes; beside a depth edge or a missing reading, where a mean
-  /// would be no surface, the nearest pixel's.
-  [[nodiscard]] Sample sample(float u, float v) const {
-    const auto right = static_cast<float>(width_ - 1);
-    const auto bottom = static_cast<float>(height_ - 1);
-    if (!(u >= 0.0F && v >= 0.0F && u < right && v < bottom)) return {};  // so written that NaN is outside
-    const int x = static_cast<int>(u);
-    const int y = static_cast<int>(v);
-    const float* above = &inverse_depth_[index(x, y)];
-    const float* below = above + width_;
-    const float du = u - static_cast<float>(x);
-    const float dv = v - static_cast<float>(y);
-    const float low = std::min(std::min(above[0], above[1]), std::min(below[0], below[1]));
-    const float high = std::max(std::max(above[0], above[1]), std::max(below[0], below[1]));
-    const std::size_t b = block(x / kBlock, y / kBlock);
-    const float obliqueness = obliqueness_[b];
-    const bool at_edge = at_edge_[b] != 0;
-    if (is_depth_edge(low, high, 1.0F / obliqueness)) {
-      return {(dv < 0.5F ? above : below)[du < 0.5F ? 0 : 1], obliqueness, at_edge};
-    }
-    const float upper = above[0] + du * (above[1] - above[0]);
-    const float lower = below[0] + du * (below[1] - below[0]);
-    return {upper + dv * (lower - upper), obliqueness, at_edge};
+  /// Distance from the surface per difference of depth: the cosine of the angle between its normal and the optical
+  /// axis, over that of the pixel's ray. By blocks, row by row; with a minus sign where a block shows more than one
+  /// surface, or not all of its pixels show any.
+  [[nodiscard]] const float* signed_obliqueness() const { return obliqueness_.data(); }
+  [[nodiscard]] float obliqueness(int block_x, int block_y) const {
+    return std::abs(obliqueness_[block(block_x, block_y)]);
+  }
+  [[nodiscard]] bool at_edge(int block_x, int block_y) const {
+    return std::signbit(obliqueness_[block(block_x, block_y)]);
   }
 
-  /// Sample::obliqueness at a pixel.
-  [[nodiscard]] float obliqueness(int x, int y) const { return obliqueness_[block(x / kBlock, y / kBlock)]; }
+  /// Inverse depths further apart than `scale` * low * max(continuity * high, steepest) belong to two surfaces (low and
+  /// high: the smaller and the larger); with low = 0, no reading, always. `continuity` in metres is what always passes,
+  /// `steepest` what the steepest surface that is looked at has from pixel to pixel, as a share of the depth.
+  [[nodiscard]] float continuity() const { return continuity_; }
+  [[nodiscard]] float steepest() const { return steepest_; }
 
-  /// Colour of the pixel nearest to a position inside the image.
-  [[nodiscard]] Colour colour_at(float u, float v) const {
-    const std::uint8_t* bgr =
-        colour_.ptr<std::uint8_t>(static_cast<int>(v + 0.5F)) + 3 * static_cast<std::ptrdiff_t>(u + 0.5F);
-    return {bgr[2], bgr[1], bgr[0]};
-  }
+  /// Blue, green, red, row by row without gaps.
+  [[nodiscard]] const std::uint8_t* colour() const { return colour_.ptr<std::uint8_t>(); }
 
  private:
-  static constexpr int kBlock = 4;  ///< side of the blocks of obliqueness, pixels
-
-  [[nodiscard]] std::size_t index(int x, int y) const {
+  [[nodiscard]] std::size_t pixel(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
-
-  /// Whether depths from 1 / high to 1 / low are `scale` times too far apart for neighbours on one surface. Always if
-  /// `low` is 0: no reading.
-  [[nodiscard]] bool is_depth_edge(float low, float high, float scale) const {
-    return high - low > scale * low * std::max(continuity_ * high, steepest_);
-  }
-
   [[nodiscard]] std::size_t block(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_x_) + static_cast<std::size_t>(x);
   }
 
-  /// Mean inverse depth of each block that lies on one surface, else NaN. Sets at_edge_.
-  std::vector<float> measure_blocks();
-  void compute_obliqueness(const geometry::CameraModel& camera);
-  void fill_gaps_in_obliqueness();
+  [[nodiscard]] bool is_depth_edge(float low, float high, float scale) const {
+    return high - low > scale * low * std::max(continuity_ * high, steepest_);
+  }
+
+  void invert_depth(const cv::Mat& depth, const TsdfOptions& options);
+  /// Mean inverse depth of each block that lies on one surface, else NaN.
+  [[nodiscard]] std::vector<float> measure_blocks() const;
+  void compute_obliqueness(const geometry::CameraModel& camera, const std::vector<float>& means);
+  void fill_gaps_in_obliqueness(const std::vector<float>& means);
+  /// Of the blocks around one that are known; 1 if none is.
+  [[nodiscard]] float mean_around(const std::vector<float>& obliqueness, int x, int y) const;
 
   int width_;
   int height_;
   int blocks_x_;
   int blocks_y_;
-  float continuity_;  ///< metres; neighbouring readings that differ by less are always taken for one surface's
-  float steepest_;    ///< the same as a share of the depth: what the steepest surface that is looked at has
+  float continuity_;
+  float steepest_;
   std::vector<float> inverse_depth_;
   std::vector<float> obliqueness_;
-  std::vector<std::uint8_t> at_edge_;  ///< by blocks
   cv::Mat colour_;
 };
 

@@ -32,20 +32,19 @@ class TsdfUnits {
 
   explicit TsdfUnits(const TsdfOptions& options)
       : metres_per_step_(static_cast<float>(truncation(options, options.max_depth) / kTruncationSteps)),
-        best_variance_(square(geometry::depth_sigma(options.min_depth))) {}
+        best_variance_(static_cast<float>(square(geometry::depth_sigma(options.min_depth)))) {}
 
   [[nodiscard]] float metres_per_step() const { return metres_per_step_; }
 
-  /// Weight of a reading: the inverse of its variance, the best reading's being kMaxWeight.
-  [[nodiscard]] float weight(float depth) const {
-    return std::min(1.0F, static_cast<float>(best_variance_ / square(geometry::depth_sigma(depth)))) * kMaxWeight;
-  }
+  /// Of the best reading, which has the weight kMaxWeight, m²; the weight of the others is in inverse proportion to
+  /// theirs.
+  [[nodiscard]] float best_variance() const { return best_variance_; }
 
  private:
   static double square(double x) { return x * x; }
 
   float metres_per_step_;
-  double best_variance_;
+  float best_variance_;
 };
 
 /// The sums at the voxels of one leaf, in OpenVDB's order (z fastest).

@@ -28,6 +28,7 @@ std::vector<View> views_of_room(int count) {
 TsdfOptions options_of(const benchmark::State& state) {
   TsdfOptions options;
   options.voxel_size = static_cast<double>(state.range(0)) / 1000.0;
+  options.max_depth = 5.0;
   return options;
 }
 
@@ -38,14 +39,23 @@ void integrate_into_an_empty_map(benchmark::State& state) {
     benchmark::DoNotOptimize(map.integrate(views[0].frame, views[0].world_from_camera));
   }
 }
-BENCHMARK(integrate_into_an_empty_map)->Arg(20)->Arg(10)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(integrate_into_an_empty_map)
+    ->Arg(20)
+    ->Arg(10)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
 
 void integrate_again(benchmark::State& state) {
   const std::vector<View> views = views_of_room(1);
   TsdfMap map(options_of(state));
-  for (auto _ : state) benchmark::DoNotOptimize(map.integrate(views[0].frame, views[0].world_from_camera));
+  for (auto _ : state) {
+    const auto summary = map.integrate(views[0].frame, views[0].world_from_camera);
+    state.counters["leaves"] = static_cast<double>(summary->leaves);
+    state.counters["voxels"] = static_cast<double>(summary->voxels);
+  }
 }
-BENCHMARK(integrate_again)->Arg(20)->Arg(10)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(integrate_again)->Arg(20)->Arg(10)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
 void extract_mesh_of_ten_views(benchmark::State& state) {
   TsdfMap map(options_of(state));
@@ -57,7 +67,12 @@ void extract_mesh_of_ten_views(benchmark::State& state) {
   state.counters["triangles"] = static_cast<double>(triangles);
   state.counters["MB"] = static_cast<double>(map.memory_bytes()) / 1e6;
 }
-BENCHMARK(extract_mesh_of_ten_views)->Arg(20)->Arg(10)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(extract_mesh_of_ten_views)
+    ->Arg(20)
+    ->Arg(10)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
 
 void extract_changed_tiles(benchmark::State& state) {
   const std::vector<View> views = views_of_room(1);
@@ -69,7 +84,12 @@ void extract_changed_tiles(benchmark::State& state) {
   }
   state.counters["tiles"] = static_cast<double>(tiles.size());
 }
-BENCHMARK(extract_changed_tiles)->Arg(20)->Arg(10)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(extract_changed_tiles)
+    ->Arg(20)
+    ->Arg(10)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace eg::mapping

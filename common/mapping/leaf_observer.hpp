@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "common/geometry/pose.hpp"
+#include "common/image/rgbd_frame.hpp"
+#include "common/mapping/depth_view.hpp"
+#include "common/mapping/tsdf_grids.hpp"
+#include "common/mapping/vector4.hpp"
+
+namespace eg::mapping {
+
+/// What a frame says about the voxels of a leaf, in OpenVDB's order.
+struct LeafReading {
+  static constexpr int kGroups = kLeafVoxels / 4;  ///< of four voxels, neighbours along z
+
+  std::array<Int4, kGroups> weight;    ///< 0: nothing
+  std::array<Int4, kGroups> distance;  ///< in TsdfUnits::metres_per_step(); cut off in free space
+  std::array<Int4, kGroups> pixel;     ///< number of the pixel that shows its colour
+};
+
+/// Looks the voxels of leaves up in one frame.
+class LeafObserver {
+ public:
+  LeafObserver(const image::RectifiedFrame& frame, const geometry::Pose& world_from_camera, const TsdfOptions& options);
+
+  [[nodiscard]] const DepthView& view() const { return view_; }
+
+  /// Projective distance, made perpendicular: the voxels' distance from the plane of the surface that their pixel
+  /// shows. In front of the surface it is cut off, not left out: seen free space removes what other views took for the
+  /// inside of thin objects. False if no voxel is nearer to the surface than the truncation distance: free space alone
+  /// is nothing that needs a leaf.
+  bool observe(const openvdb::Coord& origin, LeafReading& reading) const;
+
+ private:
+  /// Of four voxels in the camera frame.
+  struct Points {
+    Float4 x, y, z;
+  };
+  /// Where they are seen: column and row, and whether that is between pixels of the image. Else they are 0.
+  struct Pixels {
+    Int4 inside;
+    Float4 u, v;
+  };
+  struct Depths {
+    Float4 inverse;      ///< 1/m; 0 where nothing is seen
+    Float4 obliqueness;  ///< DepthView::signed_obliqueness()
+  };
+  struct Measurements {
+    Int4 weight;
+    Int4 distance;
+    Int4 near;  ///< mask: nearer to the surface than the truncation distance
+  };
+
+  [[nodiscard]] Pixels project(const Points& points) const;
+  [[nodiscard]] Depths sample(const Pixels& pixels) const;
+  [[nodiscard]] Measurements measure(const Float4& z, const Depths& depths) const;
+
+  DepthView view_;
+  geometry::Pose camera_from_world_;
+  double voxel_size_m_;
+  Eigen::Matrix3f steps_;  ///< columns: to the next voxel along x, y, z of the world, in the camera frame
+  Float4 fx_, fy_, cx_, cy_, right_, bottom_;
+  Float4 continuity_, steepest_;
+  Float4 voxel_size_, least_truncation_, truncation_sigmas_;
+  Float4 best_variance_, steps_per_metre_;
+};
+
+}  // namespace eg::mapping
