@@ -19,6 +19,9 @@ struct Association {
   std::size_t feature = 0;  ///< index into the frame's directions
   LandmarkId landmark;
   double sign = 1.0;  ///< multiplies the feature's direction (paper, equation 8)
+  /// Where the match becomes as likely by chance as by truth: see DirectionPair. A vague direction, or one that has
+  /// many landmarks within the gate, fits somewhere anyhow.
+  double outlier_chi2 = 0.0;
 };
 
 /// Rotates each direction into the world and gives it to the landmark that it fits best, within the gates. Plane

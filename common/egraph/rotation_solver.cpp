@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "common/geometry/so3.hpp"
@@ -49,7 +50,23 @@ bool agrees(const DirectionPair& pair, const Eigen::Matrix3d& j_from_k, const Ro
 
 double total_variance(const DirectionPair& pair) { return pair.covariance_j.trace() + pair.covariance_k.trace(); }
 
-/// The rotation of the couple of pairs that the most pairs agree with; ties go to the smaller total error.
+struct Vote {
+  double cost = 0.0;  ///< -2 ln likelihood, up to a constant
+  int agreeing = 0;
+};
+
+Vote vote(std::span<const DirectionPair> pairs, const Eigen::Matrix3d& j_from_k, const RotationOptions& options) {
+  Vote result;
+  for (const DirectionPair& pair : pairs) {
+    double chi2 = 0.0;
+    const bool agreeing = agrees(pair, j_from_k, options, chi2);
+    result.cost += agreeing ? std::min(chi2, pair.outlier_chi2) : pair.outlier_chi2;
+    result.agreeing += agreeing ? 1 : 0;
+  }
+  return result;
+}
+
+/// The most likely of the rotations of all couples of pairs that at least two pairs agree with.
 std::optional<Eigen::Matrix3d> best_hypothesis(std::span<const DirectionPair> pairs, const RotationOptions& options) {
   std::vector<std::size_t> order(pairs.size());
   std::iota(order.begin(), order.end(), 0);
@@ -58,22 +75,17 @@ std::optional<Eigen::Matrix3d> best_hypothesis(std::span<const DirectionPair> pa
   const std::size_t count = std::min(order.size(), static_cast<std::size_t>(options.max_hypothesis_pairs));
 
   std::optional<Eigen::Matrix3d> best;
-  double best_cost = options.inlier_chi2 * static_cast<double>(pairs.size() - 1);  // fewer than two agree: no consensus
+  double best_cost = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < count; ++a) {
     for (std::size_t b = a + 1; b < count; ++b) {
       const DirectionPair& first = pairs[order[a]];
       const DirectionPair& second = pairs[order[b]];
       const auto rotation = rotation_from_two({first.in_j, second.in_j}, {first.in_k, second.in_k});
       if (!rotation) continue;
-      double cost = 0.0;
-      for (const DirectionPair& pair : pairs) {
-        double chi2 = 0.0;
-        cost += agrees(pair, *rotation, options, chi2) ? chi2 : options.inlier_chi2;
-      }
-      if (cost < best_cost) {
-        best_cost = cost;
-        best = rotation;
-      }
+      const auto [cost, agreeing] = vote(pairs, *rotation, options);
+      if (agreeing < 2 || cost >= best_cost) continue;
+      best_cost = cost;
+      best = rotation;
     }
   }
   return best;

@@ -16,6 +16,9 @@ struct DirectionPair {
   Eigen::Vector3d in_k = Eigen::Vector3d::UnitZ();
   Eigen::Matrix3d covariance_j = Eigen::Matrix3d::Zero();  ///< rad², tangential
   Eigen::Matrix3d covariance_k = Eigen::Matrix3d::Zero();  ///< rad², tangential
+  /// What the pair costs at most when it disagrees: -2 ln of the likelihood ratio of a wrong pair to an exact one
+  /// (MLESAC; Torr and Zisserman, 2000). Zero: the pair says nothing.
+  double outlier_chi2 = 13.82;
 };
 
 /// Two directions closer to parallel than this carry too little of the rotation about themselves: at 10 degrees the
@@ -68,8 +71,9 @@ struct RotationEstimate {
   int inlier_count = 0;
 };
 
-/// Consensus of the minimal solver over all couples of pairs, then weighted least squares on SO(3) over the inliers
-/// (Wahba's problem with a full covariance per direction, Gauss-Newton). Deterministic.
+/// Consensus of the minimal solver over all couples of pairs by the likelihood of all pairs, then weighted least
+/// squares on SO(3) over the inliers (Wahba's problem with a full covariance per direction, Gauss-Newton).
+/// Deterministic.
 RotationEstimate estimate_rotation(std::span<const DirectionPair> pairs, const RotationOptions& options = {});
 
 }  // namespace eg::egraph

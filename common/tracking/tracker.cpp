@@ -16,8 +16,6 @@ using geometry::Pose;
 /// Floor on the rotation uncertainty of a keyframe (0.05°): correlated errors do not average out over features.
 constexpr double kMinRotationVariance = 7.6e-7;
 
-Eigen::Matrix3d isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d::Identity(); }
-
 template <typename Match>
 std::vector<Match> only(const std::vector<Match>& matches, const std::vector<bool>& keep) {
   std::vector<Match> kept;
@@ -25,14 +23,6 @@ std::vector<Match> only(const std::vector<Match>& matches, const std::vector<boo
     if (keep[i]) kept.push_back(matches[i]);
   }
   return kept;
-}
-
-/// The landmarks that may define a rotation: a potential direction was seen once and may be any edge.
-std::vector<egraph::DirectionLandmark> confirmed(std::span<const egraph::DirectionLandmark> landmarks) {
-  std::vector<egraph::DirectionLandmark> chosen;
-  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(chosen),
-               [](const auto& landmark) { return landmark.kind != egraph::DirectionKind::potential_direction; });
-  return chosen;
 }
 
 }  // namespace
@@ -62,7 +52,7 @@ TrackResult Tracker::track(const FrameFeatures& features) {
 
   Frame frame{.features = features, .prediction = motion_.predict(features.header.utime)};
   frame.camera_from_world = frame.prediction.camera_from_world;
-  estimate_rotation_from_graph(frame);              // section 3.1 and 4.2
+  follow_graph_rotation(frame);                     // section 3.1 and 4.2
   estimate_translation_with_rotation_fixed(frame);  // section 3.1, equation 1 with R known; section 5
   refine_against_map(frame);                        // section 5, frame-to-map refinement
 
@@ -92,35 +82,16 @@ TrackResult Tracker::initialise(const FrameFeatures& features) {
   return finish(frame, TrackingState::tracking, "first keyframe");
 }
 
-void Tracker::estimate_rotation_from_graph(Frame& frame) const {
-  const auto landmarks = confirmed(graph_.landmarks());
-  Eigen::Matrix3d rotation = frame.prediction.camera_from_world.rotation;
-  Eigen::Matrix3d covariance = isotropic(frame.prediction.rotation_sigma);
-  // The second round associates with the rotation of the first: what lies close together is told apart.
-  for (int round = 0; round < 2; ++round) {
-    frame.associations =
-        egraph::associate(frame.features.directions, landmarks, rotation.transpose(), covariance, options_.association);
-    std::vector<egraph::DirectionPair> pairs;
-    for (const egraph::Association& association : frame.associations) {
-      const features::DirectionFeature& seen = frame.features.directions[association.feature];
-      const egraph::DirectionLandmark& landmark = *graph_.find_landmark(association.landmark);
-      pairs.push_back({association.sign * seen.direction, landmark.direction, seen.covariance, landmark.covariance});
-    }
-    const egraph::RotationEstimate estimate = egraph::estimate_rotation(pairs, options_.rotation);
-    frame.rotation_from_graph = estimate.status == egraph::RotationStatus::ok;
-    if (!frame.rotation_from_graph) break;
-    rotation = estimate.j_from_k;
-    covariance = rotation.transpose() * estimate.covariance * rotation;
-    frame.associations = only(frame.associations, estimate.inliers);
-  }
-  if (!frame.rotation_from_graph) return;
-
+void Tracker::follow_graph_rotation(Frame& frame) const {
+  const Pose& predicted = frame.prediction.camera_from_world;
+  GraphRotation found = estimate_rotation_from_graph(frame.features, graph_, predicted.rotation,
+                                                     frame.prediction.rotation_sigma, options_.rotation);
+  frame.rotation_from_graph = found.determined;
+  frame.rotation_reference = found.reference;
+  frame.associations = std::move(found.associations);
+  if (!found.determined) return;
   // The camera turns about its own centre: the predicted position stays.
-  const Eigen::Vector3d position = frame.prediction.camera_from_world.inverse().translation;
-  frame.camera_from_world = {rotation, -(rotation * position)};
-  std::vector<egraph::LandmarkId> seen;
-  for (const egraph::Association& association : frame.associations) seen.push_back(association.landmark);
-  frame.rotation_reference = graph_.oldest_sharing_keyframe(seen).value_or(KeyframeId{});
+  frame.camera_from_world = {found.camera_from_world, -(found.camera_from_world * predicted.inverse().translation)};
 }
 
 void Tracker::match_and_build_problem(Frame& frame, double radius) const {
@@ -179,7 +150,7 @@ TrackResult Tracker::recover(const FrameFeatures& features, const std::string& w
     if (!pose) continue;
     Frame frame{.features = features, .prediction = {*pose, 0.1, 0.1}};
     frame.camera_from_world = *pose;
-    estimate_rotation_from_graph(frame);
+    follow_graph_rotation(frame);
     frame.camera_from_world = *pose;
     refine_against_map(frame);
     const Observability observed = observability(frame.solution.information);

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/egraph/association.hpp"
 #include "common/egraph/graph.hpp"
-#include "common/egraph/rotation_solver.hpp"
+#include "common/tracking/graph_rotation.hpp"
 #include "common/tracking/keyframe_policy.hpp"
 #include "common/tracking/map.hpp"
 #include "common/tracking/matcher.hpp"
@@ -20,8 +19,7 @@
 namespace eg::tracking {
 
 struct TrackerOptions {
-  egraph::AssociationOptions association{.max_angle = 0.14, .max_chi2 = 13.82};  ///< 8°: prediction error included
-  egraph::RotationOptions rotation;
+  GraphRotationOptions rotation;
   TranslationOptions translation;
   MatchOptions search;                 ///< around the predicted pose
   double refined_search_radius = 7.0;  ///< pixels, around the pose found in the first step
@@ -65,7 +63,7 @@ class Tracker {
   TrackResult finish(Frame& frame, TrackingState state, std::string reason);
   TrackResult refuse(const features::FrameFeatures& features, std::string reason) const;
 
-  void estimate_rotation_from_graph(Frame& frame) const;
+  void follow_graph_rotation(Frame& frame) const;
   void estimate_translation_with_rotation_fixed(Frame& frame) const;
   void refine_against_map(Frame& frame) const;
   void match_and_build_problem(Frame& frame, double radius) const;

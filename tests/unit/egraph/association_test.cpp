@@ -33,6 +33,23 @@ std::vector<Association> associate_in_world(const std::vector<DirectionFeature>&
   return associate(features, landmarks, Matrix3d::Identity(), Matrix3d::Zero(), options);
 }
 
+TEST(Association, AVagueOrCrowdedMatchProvesLittle) {
+  const auto worth = [](double sigma, const std::vector<DirectionLandmark>& landmarks) {
+    return associate_in_world({feature(Vector3d::UnitZ(), DirectionKind::vanishing_direction, sigma)}, landmarks)
+        .at(0)
+        .outlier_chi2;
+  };
+  const std::vector<DirectionLandmark> alone = {
+      landmark(0, Vector3d::UnitZ(), DirectionKind::vanishing_direction, 0.0)};
+  std::vector<DirectionLandmark> crowd = alone;
+  for (int id = 1; id < 4; ++id) crowd.push_back(landmark(id, tilted(id)));
+  // A gate of radius 0.087 against an ellipse of 2π 0.001²; four candidates are four chances.
+  EXPECT_NEAR(worth(0.001, alone), 2.0 * std::log(0.087 * 0.087 / (2.0 * 0.001 * 0.001)), 0.1);
+  EXPECT_NEAR(worth(0.001, alone) - worth(0.001, crowd), 2.0 * std::log(4.0), 1e-9);
+  EXPECT_LT(worth(0.02, alone), worth(0.001, alone) - 10.0);
+  EXPECT_EQ(worth(0.2, crowd), 0.0);
+}
+
 TEST(Association, RotatesIntoTheWorldAndUnifiesTheSign) {
   base::Random random(1);
   for (int trial = 0; trial < 200; ++trial) {

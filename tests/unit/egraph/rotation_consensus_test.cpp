@@ -54,6 +54,27 @@ TEST(EstimateRotation, RecoversExactProblems) {
   EXPECT_LT(degenerate, 30) << "two random directions are within 10 degrees in 1.5 % of the cases";
 }
 
+TEST(EstimateRotation, ManyVaguePairsDoNotOutvoteTwoWalls) {
+  // Eight single lines were taken for the neighbours of their landmarks, all half a degree off to the same side.
+  const Matrix3d truth = geometry::so3_exp({0.3, -0.2, 0.5});
+  const Matrix3d wrong = geometry::so3_exp({0.0, 0.5 * kDegree, 0.0}) * truth;
+  std::vector<DirectionPair> pairs = {exact_pair(truth, Vector3d::UnitX(), 0.05 * kDegree),
+                                      exact_pair(truth, Vector3d::UnitZ(), 0.05 * kDegree)};
+  for (DirectionPair& wall : pairs) wall.outlier_chi2 = 17.0;
+  base::Random random(12);
+  for (int i = 0; i < 8; ++i) {
+    pairs.push_back(exact_pair(wrong, random_direction(random), 0.15 * kDegree));
+    pairs.back().outlier_chi2 = 2.0;
+  }
+  const RotationEstimate estimate = estimate_rotation(pairs);
+  ASSERT_EQ(estimate.status, RotationStatus::ok);
+  EXPECT_TRUE(estimate.inliers[0] && estimate.inliers[1]);
+  EXPECT_LT(rotation_angle_between(estimate.j_from_k, truth), 0.3 * kDegree);
+
+  for (DirectionPair& pair : pairs) pair.outlier_chi2 = 13.82;  // where all count alike, the majority wins
+  EXPECT_LT(rotation_angle_between(estimate_rotation(pairs).j_from_k, wrong), 0.1 * kDegree);
+}
+
 TEST(EstimateRotation, ExactDataWithoutCovarianceIsNoDivisionByZero) {
   const Matrix3d truth = geometry::so3_exp({0.3, -0.2, 0.5});
   const std::vector<DirectionPair> pairs = {exact_pair(truth, Vector3d::UnitX(), 0.0),
