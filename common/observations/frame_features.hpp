@@ -10,11 +10,11 @@ namespace eg::observations {
 /// How the sensor measured. The defaults are those of Open-Structure (Li et al., RA-L 2024), whose files state the
 /// pixel noise and hold true values that the noise of the line depths can be taken from.
 struct SensorModel {
-  double pixel_sigma = 1.0;             ///< of points and of end points of lines, pixels per axis
-  double line_depth_sigma = 0.05;       ///< of the measured depth of end points, metres
-  bool depth_noise = true;              ///< points' depths with the noise of geometry::depth_sigma, or exact
-  std::uint64_t seed = 1;               ///< of that noise
-  double max_direction_sigma = 0.0175;  ///< radians: directions known less well are left out
+  double pixel_sigma = 1.0;           ///< of points and of end points of lines, pixels per axis
+  double line_depth_sigma = 0.05;     ///< of the measured depth of end points, metres
+  bool depth_noise = true;            ///< points' depths with the noise of geometry::depth_sigma, or exact
+  std::uint64_t seed = 1;             ///< of that noise
+  double max_direction_sigma = 0.05;  ///< radians (3°): directions known less well are left out
 };
 
 /// A recorded frame as features with known track ids: points with depth, lines in space, and one vanishing direction

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "services/eval/commands.hpp"
+#include "services/eval/table_command.hpp"
 
 namespace {
 
@@ -18,6 +19,12 @@ int finish(const eg::base::Result<Report>& report, bool as_json) {
   return 0;
 }
 
+int finish(const eg::base::Status& status) {
+  if (status) return 0;
+  std::fprintf(stderr, "egraph-eval: %s\n", status.error().message.c_str());
+  return 1;
+}
+
 struct Arguments {
   std::string estimate;
   std::string reference;
@@ -28,6 +35,9 @@ struct Arguments {
   eg::service::PictureFiles picture;
   std::string out;
   bool y_up = false;
+  std::string root;
+  std::string configs;
+  eg::service::RunPlan plan;
 };
 
 CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* what, const char* estimate,
@@ -51,6 +61,16 @@ CLI::App* add_render_command(CLI::App& app, Arguments& arguments) {
   return command;
 }
 
+CLI::App* add_runs_command(CLI::App& app, Arguments& arguments, const char* name, const char* what) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->add_option("ROOT", arguments.root, "folder with recordings, at any depth")->required();
+  command->add_option("--out", arguments.plan.out, "folder for the runs and the tables")->required();
+  command->add_option("--frames", arguments.plan.frames, "at most this many frames of each; 0: all");
+  command->add_option("--config", arguments.plan.config, "YAML configuration for egraph-run")->check(CLI::ExistingFile);
+  command->add_flag("--keep", arguments.plan.keep, "use the results of earlier runs that are in --out");
+  return command;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -68,6 +88,10 @@ int main(int argc, char** argv) {
   estimate->needs(truth);
   truth->needs(estimate);
   const auto* render = add_render_command(app, arguments);
+  const auto* table = add_runs_command(
+      app, arguments, "table", "run egraph-run on every known sequence, print the paper's tables with our column");
+  auto* ablation = add_runs_command(app, arguments, "ablation", "the same with parts switched off by configurations");
+  ablation->add_option("--configs", arguments.configs, "folder of YAML configurations, one per column")->required();
   CLI11_PARSE(app, argc, argv);
 
   using namespace eg::service;
@@ -78,6 +102,8 @@ int main(int argc, char** argv) {
   if (render->parsed()) {
     return finish(render_picture(arguments.picture, arguments.y_up, arguments.out), arguments.json);
   }
+  if (table->parsed()) return finish(print_table(arguments.root, arguments.plan));
+  if (ablation->parsed()) return finish(print_ablation(arguments.root, arguments.configs, arguments.plan));
   std::optional<MeshAlignment> alignment;
   if (*estimate) alignment = MeshAlignment{arguments.trajectory, arguments.groundtruth};
   return finish(report_mesh(arguments.estimate, arguments.reference, alignment), arguments.json);

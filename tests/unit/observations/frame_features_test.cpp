@@ -105,7 +105,7 @@ TEST(FrameFeatures, CovariancesOfDirectionsAndLinesAreTrue) {
   const FrameFeatures truth = features_of(exact, 0, kCamera);
   base::Random random(3);
   SensorModel sensor;
-  sensor.max_direction_sigma = 0.1;
+  sensor.max_direction_sigma = 0.2;
   double direction_chi2 = 0.0;
   double end_chi2 = 0.0;
   for (int trial = 0; trial < kTrials; ++trial) {
