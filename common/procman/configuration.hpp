@@ -26,8 +26,8 @@ struct Command {
   std::string host;   ///< deputy that runs it; may be empty
   std::string group;  ///< "outer/inner"; empty: none
   bool auto_respawn = false;
-  int stop_signal = 2;                        ///< SIGINT
-  std::chrono::seconds stop_time_allowed{7};  ///< before SIGKILL
+  int stop_signal = 2;                                                   ///< SIGINT
+  std::chrono::milliseconds stop_time_allowed{std::chrono::seconds(7)};  ///< before SIGKILL
   Place place;
 };
 

@@ -2,44 +2,58 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <set>
 #include <sstream>
-#include <string_view>
 
 namespace eg::procman {
 namespace {
-
-struct Process {
-  pid_t pid = 0;
-  pid_t parent = 0;
-  pid_t session = 0;
-  bool alive = false;
-};
 
 std::string read_proc(pid_t pid, const char* file) {
   std::ifstream stream("/proc/" + std::to_string(pid) + "/" + file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// From /proc/PID/stat: "pid (program) state ppid pgrp session ...", where the program's name may hold anything.
+/// From the fields of /proc/PID/stat, numbered in proc(5). The second one, the program's name in parentheses, may hold
+/// anything.
 std::optional<Process> read_process(pid_t pid) {
   const std::string stat = read_proc(pid, "stat");
   const std::size_t end_of_name = stat.rfind(')');
   if (end_of_name == std::string::npos) return std::nullopt;
   std::istringstream fields(stat.substr(end_of_name + 1));
-  Process process{pid};
+  Process process;
+  process.pid = pid;
   char state = '?';
-  pid_t group = 0;
-  if (!(fields >> state >> process.parent >> group >> process.session)) return std::nullopt;
+  std::string skipped;
+  fields >> state >> process.parent >> skipped >> process.session;
+  for (int field = 7; field <= 13; ++field) fields >> skipped;
+  std::int64_t user_ticks = 0;
+  std::int64_t system_ticks = 0;
+  fields >> user_ticks >> system_ticks;
+  for (int field = 16; field <= 22; ++field) fields >> skipped;
+  if (!(fields >> process.virtual_bytes >> process.resident_pages)) return std::nullopt;
+  process.cpu_ticks = user_ticks + system_ticks;
   process.alive = state != 'Z' && state != 'X';
   return process;
 }
+
+bool carries(pid_t pid, const std::string& marker) {
+  const std::string environment = '\0' + read_proc(pid, "environ");
+  return environment.find('\0' + marker + '\0') != std::string::npos;
+}
+
+std::vector<pid_t> living(const std::vector<Process>& processes, const std::set<pid_t>& members) {
+  std::vector<pid_t> pids;
+  for (const Process& process : processes) {
+    if (process.alive && members.contains(process.pid)) pids.push_back(process.pid);
+  }
+  return pids;
+}
+
+}  // namespace
 
 std::vector<Process> list_processes() {
   std::vector<Process> processes;
@@ -54,13 +68,8 @@ std::vector<Process> list_processes() {
   return processes;
 }
 
-bool carries(pid_t pid, const std::string& marker) {
-  const std::string environment = '\0' + read_proc(pid, "environ");
-  return environment.find('\0' + marker + '\0') != std::string::npos;
-}
-
-/// `members` and all their descendants. Children can have smaller numbers than parents, hence until nothing changes.
 std::set<pid_t> with_descendants(const std::vector<Process>& processes, std::set<pid_t> members) {
+  // Children can have smaller numbers than parents, hence until nothing changes.
   bool grown = true;
   while (grown) {
     grown = false;
@@ -70,16 +79,6 @@ std::set<pid_t> with_descendants(const std::vector<Process>& processes, std::set
   }
   return members;
 }
-
-std::vector<pid_t> living(const std::vector<Process>& processes, const std::set<pid_t>& members) {
-  std::vector<pid_t> pids;
-  for (const Process& process : processes) {
-    if (process.alive && members.contains(process.pid)) pids.push_back(process.pid);
-  }
-  return pids;
-}
-
-}  // namespace
 
 std::vector<pid_t> find_descendants(pid_t root) {
   const std::vector<Process> processes = list_processes();

@@ -12,11 +12,18 @@ struct Overloaded : Cases... {
 
 const char* to_string(RunState state) { return state == RunState::running ? "running" : "stopped"; }
 
+bool is_fulfilled(RunState wanted, Condition condition) {
+  const bool ended = condition == Condition::ended_well || condition == Condition::failed;
+  if (wanted == RunState::stopped) return ended || condition == Condition::not_started;
+  // One that ran and ended well before anyone looked has been running.
+  return condition == Condition::running || condition == Condition::ended_well;
+}
+
 }  // namespace
 
-ScriptRunner::ScriptRunner(const Configuration& configuration, Supervisor& supervisor, const std::string& script,
+ScriptRunner::ScriptRunner(const Configuration& configuration, CommandSet& commands, const std::string& script,
                            Options options)
-    : configuration_(configuration), supervisor_(supervisor), options_(options) {
+    : configuration_(configuration), commands_(commands), options_(options) {
   const Script* found = configuration.find_script(script);
   EG_CHECK(found != nullptr, "check_script() comes before running a script");
   stack_.push_back({found, 0});
@@ -58,13 +65,13 @@ void ScriptRunner::carry_out(const ChangeAction& action, Place place, Clock::tim
   for (const std::size_t command : configuration_.select(action.selection)) {
     switch (action.verb) {
       case ChangeAction::Verb::start:
-        supervisor_.start(command);
+        commands_.start(command);
         break;
       case ChangeAction::Verb::stop:
-        supervisor_.stop(command);
+        commands_.stop(command);
         break;
       case ChangeAction::Verb::restart:
-        supervisor_.restart(command);
+        commands_.restart(command);
         break;
     }
   }
@@ -79,15 +86,14 @@ void ScriptRunner::wait_for(const Selection& selection, RunState wanted, Place p
 base::Result<bool> ScriptRunner::check_wait(Clock::time_point now) const {
   if (wait_->commands.empty()) return now >= wait_->end;
   for (const std::size_t index : wait_->commands) {
-    const std::string name = "command \"" + supervisor_.command(index).name + "\"";
-    const CommandState state = supervisor_.state(index);
-    const bool stopped = state == CommandState::stopped;
-    const bool failed = stopped && supervisor_.outcome(index) == Outcome::error;
-    if (wait_->wanted == RunState::running && failed) return fail(name + " is not running: it ended with an error");
-    // One that ran and ended well before anyone looked has been running.
-    const bool has_run = stopped && supervisor_.outcome(index) == Outcome::ok;
-    const bool fulfilled = wait_->wanted == RunState::stopped ? stopped : state == CommandState::running || has_run;
-    if (fulfilled) continue;
+    const Command& command = configuration_.commands[index];
+    const std::string name = "command \"" + command.name + "\"";
+    const Condition condition = commands_.condition(index);
+    const bool starts_again = command.auto_respawn && condition == Condition::failed;
+    if (wait_->wanted == RunState::running && condition == Condition::failed && !starts_again) {
+      return fail(name + " is not running: it ended with an error");
+    }
+    if (is_fulfilled(wait_->wanted, condition)) continue;
     if (now < wait_->end) return false;
     return fail(name + " was not " + to_string(wait_->wanted) + " after " +
                 std::to_string(options_.wait_limit.count()) + " ms");

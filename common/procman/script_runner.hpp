@@ -6,19 +6,22 @@
 #include <string>
 #include <vector>
 
-#include "common/procman/supervisor.hpp"
+#include "common/procman/command_set.hpp"
+#include "common/procman/configuration.hpp"
 
 namespace eg::procman {
 
-/// Carries out a script step by step while its caller keeps the supervisor going.
+/// Carries out a script step by step while its caller keeps the commands going.
 class ScriptRunner {
  public:
+  using Clock = std::chrono::steady_clock;
+
   struct Options {
     std::chrono::milliseconds wait_limit{30000};  ///< for each `wait` on a status; upstream's have none
   };
 
   /// The script must have passed check_script().
-  ScriptRunner(const Configuration& configuration, Supervisor& supervisor, const std::string& script, Options options);
+  ScriptRunner(const Configuration& configuration, CommandSet& commands, const std::string& script, Options options);
 
   /// Goes on as far as possible without waiting. An error: a wait took too long or cannot be fulfilled any more.
   base::Status step(Clock::time_point now);
@@ -45,7 +48,7 @@ class ScriptRunner {
   [[nodiscard]] tl::unexpected<base::Error> fail(const std::string& message) const;
 
   const Configuration& configuration_;
-  Supervisor& supervisor_;
+  CommandSet& commands_;
   Options options_;
   std::vector<Position> stack_;
   std::optional<Wait> wait_;

@@ -1,6 +1,7 @@
 #include "common/procman/spawn.hpp"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -59,6 +60,7 @@ int become(const ExecLine& line, pid_t parent, int terminal) {
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (dup2(terminal, standard) < 0) return errno;
   }
+  close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);  // LCM, for one, leaves its sockets to everybody
   for (const auto& [name, value] : line.environment) setenv(name.c_str(), value.c_str(), 1);
   std::vector<char*> arguments;
   for (const std::string& word : line.words)

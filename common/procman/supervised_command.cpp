@@ -15,7 +15,17 @@ namespace {
 
 constexpr std::chrono::milliseconds kFirstRespawnPause{10};
 constexpr std::chrono::milliseconds kLastRespawnPause{1000};
-constexpr std::size_t kLongestLine = 4096;  ///< longer ones are passed on in pieces
+constexpr char kMarkerName[] = "PROCMAN_COMMAND_ID";
+/// Output taken from one command at a time: one that never stops printing must not keep the others waiting. Its
+/// terminal then holds it back.
+constexpr int kReadsAtOnce = 16;
+
+std::string make_marker(CommandId id) {
+  return std::string(kMarkerName) + "=" + std::to_string(getpid()) + ":" + std::to_string(id);
+}
+
+/// The wait status of a shell that could not start what it was to run.
+constexpr int kNotStarted = 127 << 8;
 
 }  // namespace
 
@@ -27,9 +37,10 @@ std::string describe_wait_status(int wait_status) {
   return "exit status " + std::to_string(WEXITSTATUS(wait_status));
 }
 
-SupervisedCommand::SupervisedCommand(Command command, std::string marker, const CommandListener& listener)
-    : command_(std::move(command)),
-      marker_(std::move(marker)),
+SupervisedCommand::SupervisedCommand(CommandId id, Command command, const CommandListener& listener)
+    : id_(id),
+      command_(std::move(command)),
+      marker_(make_marker(id)),
       listener_(listener),
       respawn_pause_(kFirstRespawnPause) {}
 
@@ -56,10 +67,6 @@ void SupervisedCommand::restart(Clock::time_point now) {
   start(now);
 }
 
-void SupervisedCommand::kill() {
-  if (state_ != CommandState::stopped) signal_all(SIGKILL);
-}
-
 void SupervisedCommand::tick(Clock::time_point now) {
   if (state_ == CommandState::respawning && now >= deadline_) launch(now);
   if (state_ != CommandState::stopping) return;
@@ -72,20 +79,20 @@ void SupervisedCommand::tick(Clock::time_point now) {
 
 void SupervisedCommand::handle_exit(int wait_status, Clock::time_point now) {
   read_output();
-  flush_partial_line();
   process_ = {};
+  wait_status_ = wait_status;
   const bool clean = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
   if (state_ == CommandState::stopping) {
     const bool as_asked = WIFSIGNALED(wait_status) && WTERMSIG(wait_status) == command_.stop_signal;
     outcome_ = clean || as_asked ? Outcome::ok : Outcome::error;
-    listener_.on_event(command_, "stopped with " + describe_wait_status(wait_status));
+    listener_.on_event(id_, "stopped with " + describe_wait_status(wait_status));
     tick(now);
     return;
   }
   signal_all(SIGKILL);  // what it leaves behind
   outcome_ = clean ? Outcome::ok : Outcome::error;
   const std::string how = "ended with " + describe_wait_status(wait_status);
-  (clean ? listener_.on_event : listener_.on_problem)(command_, how);
+  (clean ? listener_.on_event : listener_.on_problem)(id_, how);
   if (command_.auto_respawn) {
     schedule_respawn(now);
   } else {
@@ -95,7 +102,7 @@ void SupervisedCommand::handle_exit(int wait_status, Clock::time_point now) {
 
 void SupervisedCommand::read_output() {
   std::array<char, 4096> buffer;
-  while (process_.output.valid()) {
+  for (int reads = 0; reads < kReadsAtOnce && process_.output.valid(); ++reads) {
     const ssize_t got = read(process_.output.get(), buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) return;
@@ -103,18 +110,13 @@ void SupervisedCommand::read_output() {
       process_.output.reset();
       return;
     }
-    for (const char c : std::string_view(buffer.data(), static_cast<std::size_t>(got))) {
-      if (c != '\n') partial_line_ += c;
-      if (c == '\n' || partial_line_.size() == kLongestLine) {
-        listener_.on_output(command_, partial_line_);
-        partial_line_.clear();
-      }
-    }
+    listener_.on_output(id_, {buffer.data(), static_cast<std::size_t>(got)});
   }
 }
 
 void SupervisedCommand::launch(Clock::time_point now) {
   outcome_ = Outcome::none;
+  wait_status_ = 0;
   started_ = now;
   base::Result<ExecLine> line = parse_exec(command_.exec, look_up_in_environment);
   base::Result<SpawnedProcess> process = tl::make_unexpected(base::Error{});
@@ -125,15 +127,16 @@ void SupervisedCommand::launch(Clock::time_point now) {
   }
   if (!line || !process) {
     outcome_ = Outcome::error;
+    wait_status_ = kNotStarted;
     state_ = CommandState::stopped;
-    listener_.on_problem(command_, "could not be started: " + (line ? process.error() : line.error()).message);
+    listener_.on_problem(id_, "could not be started: " + (line ? process.error() : line.error()).message);
     if (line && command_.auto_respawn) schedule_respawn(now);
     return;
   }
   process_ = std::move(*process);
   session_ = process_.pid;
   state_ = CommandState::running;
-  listener_.on_event(command_, "started as process " + std::to_string(process_.pid));
+  listener_.on_event(id_, "started as process " + std::to_string(process_.pid));
 }
 
 void SupervisedCommand::signal_all(int signal) const {
@@ -151,11 +154,6 @@ void SupervisedCommand::schedule_respawn(Clock::time_point now) {
   deadline_ = now + respawn_pause_;
   respawn_pause_ = std::min<Clock::duration>(2 * respawn_pause_, kLastRespawnPause);
   state_ = CommandState::respawning;
-}
-
-void SupervisedCommand::flush_partial_line() {
-  if (!partial_line_.empty()) listener_.on_output(command_, partial_line_);
-  partial_line_.clear();
 }
 
 }  // namespace eg::procman

@@ -9,6 +9,7 @@
 
 #include "common/base/check.hpp"
 #include "common/transport/channel_prefix.hpp"
+#include "common/transport/machine_fence.hpp"
 
 namespace eg::transport {
 namespace {
@@ -23,7 +24,7 @@ int lcm_capacity(int queue_capacity) { return queue_capacity > 0 ? std::max(1, q
 class LcmBusImplementation : public LcmBus {
  public:
   LcmBusImplementation(lcm_t* lcm, const Options& options)
-      : lcm_(lcm), url_(options.url), prefix_(options.channel_prefix) {}
+      : lcm_(lcm), url_(options.url), prefix_(options.channel_prefix), fence_(options.only_this_machine) {}
 
   base::Status publish(std::string_view channel, std::span<const std::uint8_t> bytes) override;
   base::Status subscribe(const std::string& channel, Handler handler, int queue_capacity) override;
@@ -46,6 +47,7 @@ class LcmBusImplementation : public LcmBus {
   ChannelPrefix prefix_;
   std::exception_ptr handler_exception_;  // on its way through the C library
   int handled_ = 0;                       // since handle() began
+  bool fence_ = false;  // still to be put up: LCM opens its receiving socket with the first subscription
   bool handling_ = false;
 };
 
@@ -76,7 +78,9 @@ base::Status LcmBusImplementation::subscribe(const std::string& channel, Handler
     return base::fail("cannot listen to channel " + *name + " over " + url_);
   }
   lcm_subscription_set_queue_capacity(subscription, lcm_capacity(queue_capacity));
-  return {};
+  const auto port = udp_port(url_);
+  if (!port || !std::exchange(fence_, false)) return {};
+  return drop_datagrams_of_other_machines(*port);
 }
 
 base::Result<int> LcmBusImplementation::handle(std::chrono::milliseconds timeout) {

@@ -14,7 +14,8 @@ class LcmBus : public Bus {
  public:
   struct Options {
     std::string url = kDefaultLcmUrl;
-    std::string channel_prefix;  ///< the bus hears and says only channels that begin with it
+    std::string channel_prefix;      ///< the bus hears and says only channels that begin with it
+    bool only_this_machine = false;  ///< hear nothing that other machines send
   };
 
   /// Opens the network, or says what is wrong with the URL or the machine's network, and the commands that mend it.

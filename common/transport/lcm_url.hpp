@@ -16,6 +16,12 @@ inline constexpr char kDefaultLcmUrl[] = "udpm://239.255.76.67:7667?ttl=0&recv_b
 /// The default URL on another port. Processes on different ports do not hear each other.
 std::string lcm_url_for_port(int port);
 
+/// The UDP port of a udpm:// URL, LCM's own if it names none; nothing for other URLs.
+std::optional<int> udp_port(std::string_view url);
+
+/// How many routers a message may pass: the ttl of a udpm:// URL, where 0 is this machine only.
+int time_to_live(std::string_view url);
+
 /// The largest receive buffer that this kernel grants (net.core.rmem_max), bytes; nothing if it cannot be read.
 std::optional<std::int64_t> kernel_receive_buffer_limit();
 

@@ -3,8 +3,10 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <map>
 #include <optional>
 
+#include "common/procman/line_splitter.hpp"
 #include "common/procman/script_runner.hpp"
 #include "common/procman/supervisor.hpp"
 
@@ -13,6 +15,7 @@ namespace {
 
 using procman::Clock;
 using procman::Command;
+using procman::CommandId;
 using procman::Configuration;
 
 constexpr std::chrono::milliseconds kTick{20};
@@ -24,15 +27,33 @@ void print_output(const Command& command, const std::string& line) {
   std::fprintf(stderr, "%s%s\n", has_prefix ? "" : prefix.c_str(), line.c_str());
 }
 
-procman::CommandListener make_listener() {
-  return {print_output,
-          [](const Command& command, const std::string& event) { spdlog::info("{} {}", command.name, event); },
-          [](const Command& command, const std::string& problem) {
-            // What starts again by itself is not lost.
-            const auto level = command.auto_respawn ? spdlog::level::warn : spdlog::level::err;
-            spdlog::log(level, "{} {}", command.name, problem);
-          }};
-}
+/// Prints what the commands say and what becomes of them.
+class Reporter {
+ public:
+  explicit Reporter(const Configuration& configuration) : commands_(configuration.commands) {}
+
+  procman::CommandListener listener() {
+    return {[this](CommandId id, std::string_view bytes) { output_[id].add(bytes, printer(id)); },
+            [this](CommandId id, const std::string& event) { report(id, spdlog::level::info, event); },
+            [this](CommandId id, const std::string& problem) {
+              // What starts again by itself is not lost.
+              report(id, commands_[id].auto_respawn ? spdlog::level::warn : spdlog::level::err, problem);
+            }};
+  }
+
+ private:
+  procman::LineSplitter::OnLine printer(CommandId id) {
+    return [this, id](const std::string& line) { print_output(commands_[id], line); };
+  }
+
+  void report(CommandId id, spdlog::level::level_enum level, const std::string& event) {
+    output_[id].flush(printer(id));
+    spdlog::log(level, "{} {}", commands_[id].name, event);
+  }
+
+  const std::vector<Command>& commands_;
+  std::map<CommandId, procman::LineSplitter> output_;
+};
 
 /// A lone ranger has no deputies on other machines.
 base::Status check_hosts(const Configuration& configuration) {
@@ -71,7 +92,8 @@ base::Status run_lone_ranger(const LoneRangerOptions& options, const LoneRangerS
   const auto configuration = load(options);
   if (!configuration) return tl::make_unexpected(configuration.error());
 
-  procman::Supervisor supervisor(configuration->commands, make_listener());
+  Reporter reporter(*configuration);
+  procman::Supervisor supervisor(configuration->commands, reporter.listener());
   std::optional<procman::ScriptRunner> script;
   if (options.script.empty()) {
     for (std::size_t i = 0; i < supervisor.size(); ++i) supervisor.start(i);

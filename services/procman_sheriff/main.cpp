@@ -1,40 +1,12 @@
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstdlib>
-#include <initializer_list>
-#include <system_error>
 
+#include "common/procman/guardian.hpp"
+#include "common/procman/own_folder.hpp"
 #include "common/service/logging.hpp"
 #include "services/procman_sheriff/lone_ranger.hpp"
-
-namespace {
-
-volatile std::sig_atomic_t stop_signals = 0;
-
-void count_signal(int /*signal*/) { stop_signals = stop_signals + 1; }
-
-void catch_signals() {
-  struct sigaction action {};
-  action.sa_handler = count_signal;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaction(signal, &action, nullptr);
-  // Whoever reads this process's output may go first; the commands must still be stopped.
-  std::signal(SIGPIPE, SIG_IGN);
-}
-
-/// Programs beside this one are found first.
-void put_own_folder_on_path() {
-  std::error_code failure;
-  const auto executable = std::filesystem::read_symlink("/proc/self/exe", failure);
-  if (failure) return;
-  const char* path = std::getenv("PATH");
-  const std::string rest = path != nullptr ? ":" + std::string(path) : "";
-  setenv("PATH", (executable.parent_path().string() + rest).c_str(), 1);
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   eg::service::log_to_stderr("procman-sheriff");
@@ -52,11 +24,15 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   options.wait_limit = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * wait_limit_s));
 
-  catch_signals();
-  put_own_folder_on_path();
-  const eg::base::Status status =
-      eg::procman_sheriff::run_lone_ranger(options, {[] { return stop_signals > 0; }, [] { return stop_signals > 1; }});
-  if (status) return 0;
-  spdlog::error(status.error().message);
-  return 1;
+  // Whoever reads this process's output may go first; the commands must still be stopped.
+  std::signal(SIGPIPE, SIG_IGN);
+  eg::procman::put_own_folder_on_path();
+  return eg::procman::run_guarded([&] {
+    const eg::base::Status status = eg::procman_sheriff::run_lone_ranger(
+        options, {[] { return eg::procman::stop_count() > 0; },
+                  [] { return eg::procman::stop_count() >= eg::procman::kStopAtOnce; }});
+    if (status) return 0;
+    spdlog::error(status.error().message);
+    return 1;
+  });
 }

@@ -5,9 +5,7 @@
 #include <sys/un.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
-#include <optional>
 
 #include "common/transport/lcm_url.hpp"
 
@@ -42,19 +40,6 @@ bool is_free(int port) {
   return bind(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
-/// 7667 of "udpm://239.255.76.67:7667?ttl=0".
-std::optional<int> port_of(std::string_view url) {
-  constexpr std::string_view kScheme = "udpm://";
-  if (!url.starts_with(kScheme)) return std::nullopt;
-  url.remove_prefix(kScheme.size());
-  const std::size_t colon = url.substr(0, url.find('?')).find(':');
-  if (colon == std::string_view::npos) return std::nullopt;
-  int port = 0;
-  const std::string_view digits = url.substr(colon + 1);
-  const auto parsed = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  return parsed.ec == std::errc{} ? std::optional<int>(port) : std::nullopt;
-}
-
 }  // namespace
 
 base::Result<OwnPort> OwnPort::find() {
@@ -69,7 +54,7 @@ base::Result<OwnPort> OwnPort::find() {
 }
 
 base::Result<OwnPort> OwnPort::take(const std::string& url) {
-  const std::optional<int> port = port_of(url);
+  const std::optional<int> port = transport::udp_port(url);
   if (!port) return OwnPort(url, FileDescriptor());
   FileDescriptor lock = lock_port(*port);
   if (!lock.valid()) {

@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <map>
+#include <optional>
 
+#include "common/procman/line_splitter.hpp"
 #include "common/procman/process_tree.hpp"
 #include "common/procman/script_runner.hpp"
 
@@ -31,10 +34,10 @@ class SupervisorTest : public testing::Test {
  protected:
   Supervisor& make(const std::vector<Command>& commands) {
     supervisor_.emplace(commands,
-                        CommandListener{[this](const Command&, const std::string& line) { lines_.push_back(line); },
-                                        [](const Command&, const std::string&) {},
-                                        [this](const Command& from, const std::string& problem) {
-                                          problems_.push_back(from.name + " " + problem);
+                        CommandListener{[this](CommandId id, std::string_view bytes) { output_[id].add(bytes, keep_); },
+                                        [this](CommandId id, const std::string&) { output_[id].flush(keep_); },
+                                        [this](CommandId id, const std::string& problem) {
+                                          problems_.push_back(supervisor_->command(id).name + " " + problem);
                                         }});
     return *supervisor_;
   }
@@ -52,6 +55,8 @@ class SupervisorTest : public testing::Test {
   }
 
   std::optional<Supervisor> supervisor_;
+  LineSplitter::OnLine keep_ = [this](const std::string& line) { lines_.push_back(line); };
+  std::map<CommandId, LineSplitter> output_;
   std::vector<std::string> lines_;
   std::vector<std::string> problems_;
 };

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tests/unit/transport/private_network.hpp"
+#include "tests/support/private_network.hpp"
 #include "tests/unit/transport/recorder.hpp"
 
 namespace eg::transport {
@@ -21,7 +21,7 @@ constexpr milliseconds kShort{50};
 
 /// Every test has a network of its own.
 void in_private_network(bool with_route, const std::function<void()>& test) {
-  const std::string error = enter_private_network(with_route);
+  const std::string error = test::enter_private_network(with_route);
   if (!error.empty()) GTEST_SKIP() << error;
   test();
 }

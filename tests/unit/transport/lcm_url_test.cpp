@@ -13,6 +13,16 @@ TEST(LcmUrl, IsTheDefaultOnItsPort) {
   EXPECT_THAT(lcm_url_for_port(7700), HasSubstr(":7700?ttl=0&recv_buf_size="));
 }
 
+TEST(LcmUrl, KnowsPortAndReach) {
+  EXPECT_EQ(udp_port("udpm://239.255.76.67:7700?ttl=1"), 7700);
+  EXPECT_EQ(udp_port("udpm://?ttl=1"), 7667);
+  EXPECT_EQ(udp_port("udpm://239.255.76.67:70000"), std::nullopt);
+  EXPECT_EQ(udp_port("memq://"), std::nullopt);
+  EXPECT_EQ(time_to_live(kDefaultLcmUrl), 0);
+  EXPECT_EQ(time_to_live("udpm://239.255.76.67:7667"), 0);
+  EXPECT_EQ(time_to_live("udpm://239.255.76.67:7667?recv_buf_size=9&ttl=2"), 2);
+}
+
 TEST(LcmUrl, AdvisesOnReceiveBuffers) {
   EXPECT_EQ(receive_buffer_advice(kDefaultLcmUrl, 2097152), std::nullopt);
   EXPECT_THAT(receive_buffer_advice(kDefaultLcmUrl, 212992).value(), HasSubstr("sysctl -w net.core.rmem_max=2097152"));

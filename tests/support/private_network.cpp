@@ -1,4 +1,4 @@
-#include "tests/unit/transport/private_network.hpp"
+#include "tests/support/private_network.hpp"
 
 #include <arpa/inet.h>
 #include <net/if.h>
@@ -11,7 +11,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace eg::transport {
+namespace eg::test {
 namespace {
 
 std::string failure(const char* what) { return std::string(what) + ": " + std::strerror(errno); }
@@ -57,4 +57,4 @@ std::string enter_private_network(bool with_multicast_route) {
   return error;
 }
 
-}  // namespace eg::transport
+}  // namespace eg::test
