@@ -15,7 +15,7 @@ class OwnPort {
   /// Takes a free port, clear of everything that is bound to UDP.
   static base::Result<OwnPort> find();
 
-  /// Takes the port of `url`; an error if another run has it. A URL without a port needs none.
+  /// Takes the port of `url`; an error if another run has it. A URL without a UDP port needs none.
   static base::Result<OwnPort> take(const std::string& url);
 
   [[nodiscard]] const std::string& url() const { return url_; }
