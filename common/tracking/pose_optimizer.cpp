@@ -39,7 +39,8 @@ NormalEquations linearize_measurements(const PoseProblem& problem, const geometr
     const PointResidual at = point_residual(problem.points[i], problem.camera, pose);
     if (!at.in_front) continue;
     equations.add<2>(at.pixel, at.pixel_jacobian, kChi2Two);
-    if (problem.points[i].depth > 0.0) equations.add<1>(scalar(at.depth), at.depth_jacobian, kChi2One);
+    if (problem.points[i].depth > 0.0 && inliers.depth_inliers[i])
+      equations.add<1>(scalar(at.depth), at.depth_jacobian, kChi2One);
   }
   for (std::size_t i = 0; i < problem.lines.size(); ++i) {
     if (!inliers.line_inliers[i]) continue;
@@ -116,6 +117,8 @@ geometry::Pose descend(const PoseProblem& problem, geometry::Pose pose, FreePara
 void classify(const PoseProblem& problem, const geometry::Pose& pose, PoseSolution& solution) {
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     solution.point_inliers[i] = reprojection_chi2(problem.points[i], problem.camera, pose) < kChi2Two;
+    const double depth = point_residual(problem.points[i], problem.camera, pose).depth;
+    solution.depth_inliers[i] = depth * depth < kChi2One;
   }
   for (std::size_t i = 0; i < problem.lines.size(); ++i) {
     const LineResidual at = line_residual(problem.lines[i], problem.camera, pose);
@@ -143,6 +146,7 @@ PoseSolution optimize_pose(const PoseProblem& problem, const geometry::Pose& ini
   PoseSolution solution;
   solution.camera_from_world = initial_camera_from_world;
   solution.point_inliers.assign(problem.points.size(), true);
+  solution.depth_inliers.assign(problem.points.size(), true);
   solution.line_inliers.assign(problem.lines.size(), true);
   solution.plane_inliers.assign(problem.planes.size(), true);
   solution.direction_inliers.assign(problem.directions.size(), true);

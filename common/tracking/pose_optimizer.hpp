@@ -73,6 +73,7 @@ struct PoseSolution {
   /// camera_from_world: T = exp(δ) T. Rotation is zero when only the translation was free.
   Matrix6d information = Matrix6d::Zero();
   std::vector<bool> point_inliers;
+  std::vector<bool> depth_inliers;  ///< at its outline a thing's pixel often has the depth of what is behind
   std::vector<bool> line_inliers;
   std::vector<bool> plane_inliers;
   std::vector<bool> direction_inliers;

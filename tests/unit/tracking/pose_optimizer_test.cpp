@@ -177,6 +177,22 @@ TEST_P(OptimizePose, LeavesOutliersOut) {
   }
 }
 
+TEST_P(OptimizePose, ADepthOfTheBackgroundDoesNotPull) {
+  // Every third point lies on an outline, and its depth is that of the wall half a metre behind. Its pixel is right.
+  double worst = 0.0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    ProblemMaker maker(seed, GetParam(), 1.0);
+    maker.add_points(90, true);
+    for (std::size_t i = 0; i < 90; i += 3) maker.problem().points[i].depth += 0.5;
+    forget_prior(maker.problem());
+    const PoseSolution solution = optimize_pose(maker.problem(), maker.start(0.01, 0.01), FreeParameters::pose);
+    worst = std::max(worst, maker.translation_error(solution));
+    for (std::size_t i = 0; i < 90; i += 3) EXPECT_FALSE(solution.depth_inliers[i]);
+    EXPECT_GT(solution.inlier_points(), 80) << "of the pixels 95 % are within the 95 % gate";
+  }
+  EXPECT_LT(worst, 0.006);
+}
+
 TEST_P(OptimizePose, CovarianceIsConsistent) {
   // The mean of chi²(6) over 600 trials has a standard deviation of sqrt(12 / 600) = 0.14. Huber weights and gates cut
   // some information from the noise's tails, which makes the covariance a little optimistic: up to 20 %.
