@@ -28,7 +28,7 @@ Program::Program(const std::string& name, const std::vector<std::string>& argume
   const int output = mkstemp(pattern.data());
   output_file_ = pattern;
 
-  std::vector<std::string> words = {std::string(EGRAPH_BIN_DIR) + "/" + name};
+  std::vector<std::string> words = {(std::filesystem::path(EGRAPH_BIN_DIR) / name).string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

@@ -13,7 +13,7 @@ namespace eg::test {
 /// program leaves behind escapes processes_left().
 class Program {
  public:
-  /// `name` in the folder of the build's programs.
+  /// `name` in the folder of the build's programs, or an absolute path.
   Program(const std::string& name, const std::vector<std::string>& arguments);
   /// Kills it if it is still running.
   ~Program();

@@ -1,0 +1,47 @@
+// How every service is doing, and which of them has fallen silent.
+
+const kMegabyte = 1e6;
+
+function milliseconds(value) {
+  return value >= 100 ? value.toFixed(0) : value.toFixed(1);
+}
+
+export class HealthPanel {
+  constructor() {
+    this.body = document.querySelector('#health tbody');
+    this.silent = document.getElementById('silent');
+    this.services = [];
+  }
+
+  take({json}) {
+    this.services = JSON.parse(new TextDecoder().decode(json));
+    this.body.innerHTML = '';
+    for (const service of this.services) this.body.append(this.row(service));
+    const silent = this.services.filter((service) => service.silent);
+    this.silent.textContent = silent.length > 0 ? `${silent.map((service) => service.service).join(', ')} silent` : '';
+  }
+
+  row(service) {
+    const row = document.createElement('tr');
+    row.className = service.silent ? 'silent' : '';
+    row.title = `${service.host}, process ${service.pid}, ${service.state}` +
+        (service.last_rejection ? `; last refused: ${service.last_rejection}` : '');
+    const cells = [
+      [service.service.replace(/_/g, ' ')],
+      ...(service.silent ? [[`${service.silent_for.toFixed(0)} s`], ['–'], ['–'], ['–']] :
+                           [[service.rate.toFixed(1)], [milliseconds(service.p50)], [milliseconds(service.p90)],
+                            [milliseconds(service.p99)]]),
+      [service.dropped, service.dropped > 0],
+      [service.rejected, service.rejected > 0],
+      [service.silent ? '–' : `${(100 * service.cpu).toFixed(0)} %`],
+      [(service.memory / kMegabyte).toFixed(0)],
+    ];
+    for (const [text, attention] of cells) {
+      const cell = document.createElement('td');
+      cell.textContent = text;
+      if (attention) cell.className = 'attention';
+      row.append(cell);
+    }
+    return row;
+  }
+}
