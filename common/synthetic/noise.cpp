@@ -106,6 +106,10 @@ double read_depth(const DepthField& field, int x, int y, double steps, const Dep
   return luck < grazing_dropout(field.cosine(x, y), options) ? 0.0 : depth;
 }
 
+base::Random frame_random(std::uint64_t seed, const image::RgbdFrame& frame) {
+  return base::Random(seed + 0x9e3779b97f4a7c15ULL * static_cast<std::uint64_t>(frame.header.sequence + 1));
+}
+
 }  // namespace
 
 base::Status validate(const NoiseOptions& options) {
@@ -163,14 +167,19 @@ cv::Mat add_colour_noise(const cv::Mat& colour, const ColourNoiseOptions& option
 }
 
 image::RgbdFrame add_noise(const image::RgbdFrame& frame, const NoiseOptions& options, std::uint64_t seed) {
-  base::Random random(seed + 0x9e3779b97f4a7c15ULL * static_cast<std::uint64_t>(frame.header.sequence + 1));
-  const std::uint64_t depth_seed = random.next();
-  const std::uint64_t colour_seed = random.next();
+  image::RgbdFrame noisy = add_depth_noise(frame, options.depth, seed);
+  base::Random random = frame_random(seed, frame);
+  random.next();  // the depth's
+  noisy.colour = add_colour_noise(frame.colour, options.colour, random.next());
+  return noisy;
+}
+
+image::RgbdFrame add_depth_noise(const image::RgbdFrame& frame, const DepthNoiseOptions& options, std::uint64_t seed) {
   const double units = frame.camera.depth_units_per_metre;
   image::RgbdFrame noisy = frame;
-  noisy.depth =
-      encode_depth(add_depth_noise(decode_depth(frame.depth, units), frame.camera, options.depth, depth_seed), units);
-  noisy.colour = add_colour_noise(frame.colour, options.colour, colour_seed);
+  noisy.depth = encode_depth(
+      add_depth_noise(decode_depth(frame.depth, units), frame.camera, options, frame_random(seed, frame).next()),
+      units);
   return noisy;
 }
 

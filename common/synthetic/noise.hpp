@@ -49,8 +49,9 @@ cv::Mat add_depth_noise(const cv::Mat& depth_metres, const geometry::CameraModel
 /// Noisy colour (CV_8UC3).
 cv::Mat add_colour_noise(const cv::Mat& colour, const ColourNoiseOptions& options, std::uint64_t seed);
 
-/// Both on a frame, recorded or rendered. Every frame of a recording gets noise of its own: seed and sequence are
-/// mixed.
+/// Noise on a frame, recorded or rendered: on depth and colour, or on its depth only. Every frame of a recording gets
+/// noise of its own: seed and sequence are mixed.
 image::RgbdFrame add_noise(const image::RgbdFrame& frame, const NoiseOptions& options, std::uint64_t seed);
+image::RgbdFrame add_depth_noise(const image::RgbdFrame& frame, const DepthNoiseOptions& options, std::uint64_t seed);
 
 }  // namespace eg::synthetic

@@ -21,10 +21,11 @@ std::int64_t limited(std::int64_t available, std::int64_t max_frames) {
 
 class RecordedInput : public FrameInput {
  public:
-  RecordedInput(io::Dataset dataset, io::ResolvedCamera camera, std::int64_t max_frames)
+  RecordedInput(io::Dataset dataset, io::ResolvedCamera camera, std::int64_t max_frames, std::int64_t depth_noise)
       : dataset_(std::move(dataset)),
         camera_(std::move(camera)),
-        size_(limited(static_cast<std::int64_t>(dataset_.frames.size()), max_frames)) {}
+        size_(limited(static_cast<std::int64_t>(dataset_.frames.size()), max_frames)),
+        depth_noise_(static_cast<std::uint64_t>(depth_noise)) {}
 
   [[nodiscard]] std::int64_t size() const override { return size_; }
 
@@ -33,8 +34,10 @@ class RecordedInput : public FrameInput {
   }
 
   [[nodiscard]] base::Result<SourceFrame> read(std::int64_t index) const override {
-    return io::read_frame(dataset_, static_cast<std::size_t>(index), camera_.camera).map([](const auto& frame) {
-      return SourceFrame(messages::compress(frame));
+    return io::read_frame(dataset_, static_cast<std::size_t>(index), camera_.camera).map([this](const auto& frame) {
+      const synthetic::DepthNoiseOptions noise;
+      return SourceFrame(
+          messages::compress(depth_noise_ == 0 ? frame : synthetic::add_depth_noise(frame, noise, depth_noise_)));
     });
   }
 
@@ -42,13 +45,14 @@ class RecordedInput : public FrameInput {
     return dataset_.folder.string() + ": " + std::to_string(size_) + " frames (" +
            std::string(io::to_string(dataset_.layout)) + "; " + std::to_string(dataset_.unpaired_colour) +
            " colour and " + std::to_string(dataset_.unpaired_depth) + " depth images without a partner), " +
-           camera_.how;
+           camera_.how + (depth_noise_ == 0 ? "" : ", with synthetic depth noise");
   }
 
  private:
   io::Dataset dataset_;
   io::ResolvedCamera camera_;
   std::int64_t size_;
+  std::uint64_t depth_noise_;  ///< seed; 0: none
 };
 
 class SyntheticInput : public FrameInput {
@@ -100,7 +104,8 @@ base::Result<std::unique_ptr<FrameInput>> open_recording(const InputOptions& opt
   const auto name = options.camera.empty() ? std::nullopt : std::optional(options.camera);
   auto camera = io::resolve_camera(options.dataset, name);
   if (!camera) return tl::make_unexpected(camera.error());
-  auto input = std::make_unique<RecordedInput>(*std::move(dataset), *std::move(camera), options.max_frames);
+  auto input =
+      std::make_unique<RecordedInput>(*std::move(dataset), *std::move(camera), options.max_frames, options.depth_noise);
   if (const auto first = input->read(0); !first) return tl::make_unexpected(first.error());
   return input;
 }
@@ -109,6 +114,7 @@ base::Result<std::unique_ptr<FrameInput>> open_recording(const InputOptions& opt
 
 base::Result<std::unique_ptr<FrameInput>> open_input(const InputOptions& options) {
   if (options.max_frames < 0) return base::fail("the number of frames must not be negative");
+  if (options.depth_noise < 0) return base::fail("the seed of the depth noise must not be negative");
   if (!options.observations.empty()) return open_observations(options);
   if (options.dataset.starts_with(kLog)) return open_log(options.dataset.substr(kLog.size()), options);
   return options.dataset.starts_with(kSynthetic) ? open_synthetic(options) : open_recording(options);

@@ -19,6 +19,7 @@ struct InputOptions {
   std::string camera = {};                   ///< name or YAML file; empty: found from the data set
   std::int64_t max_frames = 0;               ///< 0: all
   std::int64_t seed = 1;                     ///< of synthetic textures and noise
+  std::int64_t depth_noise = 0;              ///< seed of noise that is added to recorded depth images; 0: none
   bool noise = true;                         ///< what is synthetic has the noise of a structured-light camera
   std::optional<std::int64_t> session = {};  ///< of a log: which of those in it; nothing: the only one
   std::string log_channel = {};              ///< of a log: where its frames are; empty: the only one that has any

@@ -18,6 +18,10 @@ void add_options(CLI::App& app, services::FrameSourceOptions& options) {
       ->envname("EGRAPH_OBSERVATIONS");
   app.add_option("--camera", options.input.camera, "Camera by name or YAML file; without it found from the data set")
       ->envname("EGRAPH_CAMERA");
+  app.add_option("--depth-noise", options.input.depth_noise,
+                 "Add the noise of a structured-light camera to the data set's depth, with this seed; 0: none")
+      ->envname("EGRAPH_DEPTH_NOISE")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--frames", options.input.max_frames, "Read at most this many frames; 0: all")
       ->envname("EGRAPH_FRAMES")
       ->check(CLI::NonNegativeNumber);

@@ -43,6 +43,9 @@ int main(int argc, char** argv) {
   app.add_option("--config", options.config, "YAML configuration with a section for each service")
       ->check(CLI::ExistingFile);
   app.add_option("--frames", options.frames, "Process at most this many frames; 0: all")->check(CLI::NonNegativeNumber);
+  app.add_option("--depth-noise", options.depth_noise,
+                 "Add the noise of a structured-light camera to the data set's depth, with this seed; 0: none")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--log", options.log, "Record all messages into run.lcm with lcm-logger");
   app.add_option("--procman", options.procman, "procman configuration to start the services from");
   app.add_option("--lcm-url", options.lcm_url, "LCM provider to run on; without it a port of this run's own");

@@ -74,6 +74,7 @@ base::Result<std::optional<eval::TrajectoryErrors>> evaluate(const std::filesyst
 base::Status write_status(const std::filesystem::path& file, const RunOptions& options, const Input& input,
                           const RunMonitor& monitor, const RunReport& report) {
   Json json = {{"input", input.observations.empty() ? input.dataset : input.observations},
+               {"depth_noise", options.depth_noise},
                {"mode", options.realtime ? "realtime" : "lockstep"},
                {"result", report.result},
                {"failure", report.failure},

@@ -55,6 +55,7 @@ void set_environment(const RunOptions& options, const Input& input, const std::f
   set_environment("EGRAPH_LOCKSTEP", options.realtime ? "" : "1");
   set_environment("EGRAPH_DATASET", input.dataset);
   set_environment("EGRAPH_OBSERVATIONS", input.observations);
+  set_environment("EGRAPH_DEPTH_NOISE", std::to_string(options.depth_noise));
   set_environment("EGRAPH_CAMERA", input.camera);
   set_environment("EGRAPH_FRAMES", std::to_string(options.frames));
   set_environment("EGRAPH_CONSUMERS", options.mapper ? "tracker,mapper" : "tracker");

@@ -19,6 +19,7 @@ struct RunOptions {
   bool realtime = false;                ///< at the sensor's rate instead of in lockstep
   bool mapper = true;                   ///< also make the dense map
   std::filesystem::path config;         ///< YAML for all services; empty: their defaults
+  std::int64_t depth_noise = 0;         ///< seed of noise to add to the data set's depth; 0: none
   bool log = false;                     ///< record all messages into run.lcm
   std::int64_t frames = 0;              ///< at most; 0: all
   std::filesystem::path procman;        ///< empty: the configuration that comes with the programs

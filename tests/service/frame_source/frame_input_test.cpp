@@ -39,6 +39,26 @@ TEST(FrameInput, ReadsARecordingUpToTheFrameLimit) {
   EXPECT_EQ((*input)->utime(1), 33'333);
 }
 
+TEST(FrameInput, AddsNoiseToDepthOnly) {
+  const test::TemporaryFolder folder;
+  write_recording(folder, 2);
+  const auto read = [&](std::int64_t seed, std::int64_t index) {
+    InputOptions options;
+    options.dataset = folder.path().string();
+    options.camera = "icl";
+    options.depth_noise = seed;
+    return *messages::decompress(
+        std::get<messages::CompressedFrame>(*services::open_input(options).value()->read(index)));
+  };
+  const auto differ = [](const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF) > 0.0; };
+  EXPECT_TRUE(differ(read(0, 0).depth, read(1, 0).depth));
+  EXPECT_FALSE(differ(read(0, 0).colour, read(1, 0).colour));
+  EXPECT_FALSE(differ(read(1, 0).depth, read(1, 0).depth));
+  EXPECT_TRUE(differ(read(1, 0).depth, read(2, 0).depth));
+  EXPECT_TRUE(differ(read(1, 0).depth, read(1, 1).depth));
+  EXPECT_NEAR(cv::mean(read(1, 0).depth)[0], 5000.0, 25.0);
+}
+
 TEST(FrameInput, AFormatThatDoesNotFitIsAnErrorAtOnce) {
   const test::TemporaryFolder folder;
   write_recording(folder, 1);
