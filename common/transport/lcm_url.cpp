@@ -1,11 +1,11 @@
 #include "common/transport/lcm_url.hpp"
 
 #include <arpa/inet.h>
+#include <lcm/lcm.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <charconv>
 #include <fstream>
 
@@ -13,28 +13,30 @@ namespace eg::transport {
 namespace {
 
 constexpr std::string_view kMulticastScheme = "udpm://";
-constexpr int kDefaultPort = 7667;
+constexpr int kAnyPort = 7667;  // the route to a group does not depend on the port
+constexpr int kLargestTtl = 255;
+constexpr int kLargestPort = 65535;
 
-/// The host part of udpm://HOST:PORT?OPTIONS; LCM's own group if it is left out.
-std::string multicast_group(std::string_view url) {
-  url.remove_prefix(kMulticastScheme.size());
-  const std::string_view host = url.substr(0, url.find_first_of(":?"));
-  return host.empty() ? "239.255.76.67" : std::string(host);
+/// The whole of `text` as a number.
+std::optional<std::int64_t> number(std::string_view text) {
+  std::int64_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, value);
+  if (parsed.ec != std::errc{} || parsed.ptr != end) return std::nullopt;
+  return value;
 }
 
-/// The number that `text` begins with.
-std::optional<std::int64_t> leading_number(std::string_view text) {
-  std::int64_t number = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (parsed.ec != std::errc{}) return std::nullopt;
-  return number;
-}
-
-/// The value of an option behind the question mark; `key` includes the equals sign.
-std::optional<std::int64_t> number_of(std::string_view url, std::string_view key) {
-  const std::size_t at = url.find(key);
-  if (at == std::string_view::npos) return std::nullopt;
-  return leading_number(url.substr(at + key.size()));
+base::Status read_option(std::string_view option, MulticastUrl& url) {
+  const std::size_t equals = option.find('=');
+  const std::string_view key = option.substr(0, equals);
+  if (key != "ttl" && key != "recv_buf_size") return {};  // LCM has others
+  const auto value = equals == std::string_view::npos ? std::nullopt : number(option.substr(equals + 1));
+  if (!value || *value < 0 || (key == "ttl" && *value > kLargestTtl)) {
+    return base::fail("the LCM URL's option '" + std::string(option) + "' has no usable value");
+  }
+  if (key == "ttl") url.ttl = static_cast<int>(*value);
+  if (key == "recv_buf_size") url.receive_buffer = *value;
+  return {};
 }
 
 /// Connecting a datagram socket sends nothing; it only looks the route up.
@@ -43,7 +45,7 @@ bool has_route(const in_addr& group) {
   if (descriptor < 0) return false;
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(kDefaultPort);
+  address.sin_port = htons(kAnyPort);
   address.sin_addr = group;
   const bool connected = connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
   close(descriptor);
@@ -52,23 +54,49 @@ bool has_route(const in_addr& group) {
 
 }  // namespace
 
+base::Result<MulticastUrl> parse_multicast_url(std::string_view url) {
+  if (!url.starts_with(kMulticastScheme))
+    return base::fail("the LCM URL " + std::string(url) + " does not begin with udpm://");
+  MulticastUrl result;
+  std::string_view rest = url.substr(kMulticastScheme.size());
+  std::string_view options = rest.find('?') == std::string_view::npos ? "" : rest.substr(rest.find('?') + 1);
+  rest = rest.substr(0, rest.find('?'));
+  if (const std::size_t colon = rest.find(':'); colon != std::string_view::npos) {
+    const auto port = number(rest.substr(colon + 1));
+    if (!port || *port < 1 || *port > kLargestPort)
+      return base::fail("the LCM URL " + std::string(url) + " has no usable port");
+    result.port = static_cast<int>(*port);
+    rest = rest.substr(0, colon);
+  }
+  if (!rest.empty()) result.group = rest;
+  while (!options.empty()) {
+    const std::size_t end = options.find('&');
+    if (const auto read = read_option(options.substr(0, end), result); !read) return tl::make_unexpected(read.error());
+    options = end == std::string_view::npos ? "" : options.substr(end + 1);
+  }
+  return result;
+}
+
+std::string lcm_version() {
+  std::string version = std::to_string(LCM_MAJOR_VERSION);
+  version.append(".").append(std::to_string(LCM_MINOR_VERSION));
+  version.append(".").append(std::to_string(LCM_MICRO_VERSION));
+  return version;
+}
+
 std::string lcm_url_for_port(int port) {
   return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0&recv_buf_size=2097152";
 }
 
 std::optional<int> udp_port(std::string_view url) {
-  if (!url.starts_with(kMulticastScheme)) return std::nullopt;
-  url.remove_prefix(kMulticastScheme.size());
-  url = url.substr(0, url.find('?'));
-  const std::size_t colon = url.find(':');
-  if (colon == std::string_view::npos) return kDefaultPort;
-  const auto port = leading_number(url.substr(colon + 1));
-  return port && *port > 0 && *port < 65536 ? std::optional<int>(static_cast<int>(*port)) : std::nullopt;
+  const auto parsed = parse_multicast_url(url);
+  return parsed ? std::optional<int>(parsed->port) : std::nullopt;
 }
 
 int time_to_live(std::string_view url) {
   if (!url.starts_with(kMulticastScheme)) return 0;
-  return static_cast<int>(std::clamp<std::int64_t>(number_of(url, "ttl=").value_or(0), 0, 255));
+  const auto parsed = parse_multicast_url(url);
+  return parsed ? parsed->ttl : kLargestTtl;  // what cannot be read may go far
 }
 
 std::optional<std::int64_t> kernel_receive_buffer_limit() {
@@ -80,7 +108,9 @@ std::optional<std::int64_t> kernel_receive_buffer_limit() {
 
 std::optional<std::string> receive_buffer_advice(std::string_view url, std::int64_t kernel_limit) {
   if (!url.starts_with(kMulticastScheme)) return std::nullopt;
-  const auto wanted = number_of(url, "recv_buf_size=");
+  const auto parsed = parse_multicast_url(url);
+  if (!parsed) return parsed.error().message;
+  const auto wanted = parsed->receive_buffer;
   if (!wanted) {
     return "the LCM URL sets no receive buffer, so large messages will be lost: add recv_buf_size=2097152 to it";
   }
@@ -92,7 +122,9 @@ std::optional<std::string> receive_buffer_advice(std::string_view url, std::int6
 
 base::Status check_multicast_route(std::string_view url) {
   if (!url.starts_with(kMulticastScheme)) return {};
-  const std::string group = multicast_group(url);
+  const auto parsed = parse_multicast_url(url);
+  if (!parsed) return tl::make_unexpected(parsed.error());
+  const std::string& group = parsed->group;
   in_addr address{};
   if (inet_pton(AF_INET, group.c_str(), &address) != 1) {
     return base::fail("'" + group + "' in the LCM URL " + std::string(url) + " is no IPv4 address");

@@ -16,6 +16,20 @@ inline constexpr char kDefaultLcmUrl[] = "udpm://239.255.76.67:7667?ttl=0&recv_b
 /// The default URL on another port. Processes on different ports do not hear each other.
 std::string lcm_url_for_port(int port);
 
+/// The parts of udpm://GROUP:PORT?ttl=N&recv_buf_size=BYTES; what is left out is LCM's default.
+struct MulticastUrl {
+  std::string group = "239.255.76.67";
+  int port = 7667;
+  int ttl = 0;                                   ///< 0: this machine only; 1: this network segment
+  std::optional<std::int64_t> receive_buffer{};  ///< bytes
+};
+
+/// The error says which part cannot be read. URLs of other providers than udpm have no such parts and are an error.
+base::Result<MulticastUrl> parse_multicast_url(std::string_view url);
+
+/// Of the LCM library, e.g. "1.3.1".
+std::string lcm_version();
+
 /// The UDP port of a udpm:// URL, LCM's own if it names none; nothing for other URLs.
 std::optional<int> udp_port(std::string_view url);
 

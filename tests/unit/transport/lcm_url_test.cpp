@@ -30,6 +30,25 @@ TEST(LcmUrl, AdvisesOnReceiveBuffers) {
   EXPECT_EQ(receive_buffer_advice("file://run.lcm", 0), std::nullopt);
 }
 
+TEST(LcmUrl, IsReadIntoItsParts) {
+  const auto url = parse_multicast_url("udpm://239.1.2.3:7700?ttl=1&x=y&recv_buf_size=1000");
+  ASSERT_TRUE(url) << url.error().message;
+  EXPECT_EQ(url->group, "239.1.2.3");
+  EXPECT_EQ(url->port, 7700);
+  EXPECT_EQ(url->ttl, 1);
+  EXPECT_EQ(url->receive_buffer, 1000);
+  const auto defaults = parse_multicast_url("udpm://");
+  ASSERT_TRUE(defaults);
+  EXPECT_EQ(defaults->group, "239.255.76.67");
+  EXPECT_EQ(defaults->port, 7667);
+  EXPECT_EQ(defaults->ttl, 0);
+  EXPECT_EQ(defaults->receive_buffer, std::nullopt);
+  for (const char* wrong : {"memq://", "udpm://1.2.3.4:port", "udpm://1.2.3.4:70000", "udpm://?ttl=256", "udpm://?ttl",
+                            "udpm://?recv_buf_size=-1", "udpm://?recv_buf_size=2MB"}) {
+    EXPECT_FALSE(parse_multicast_url(wrong)) << wrong;
+  }
+}
+
 TEST(LcmUrl, ReadsTheKernelsLimit) { EXPECT_GT(kernel_receive_buffer_limit().value_or(0), 0); }
 
 TEST(LcmUrl, OnlyMulticastNeedsARoute) { EXPECT_TRUE(check_multicast_route("memq://")); }
