@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
+#include <memory>
 #include <optional>
 
 #include "common/mapping/leaf_observer.hpp"
@@ -12,24 +14,40 @@
 namespace eg::mapping {
 namespace {
 
+Int4 load(const std::int32_t* from) {
+  Int4 values;
+  std::memcpy(&values, from, sizeof values);
+  return values;
+}
+
+void store(Int4 values, std::int32_t* to) { std::memcpy(to, &values, sizeof values); }
+
 /// Adds the reading to the sums of a leaf or takes it back. Returns how many voxels changed.
 template <Change change>
 int update_leaf(const LeafReading& reading, const std::uint8_t* bgr, const LeafSums& sums) {
-  int changed = 0;
-  for (int voxel = 0; voxel < kLeafVoxels; ++voxel) {
-    const auto group = static_cast<std::size_t>(voxel / 4);
-    const std::int32_t weight = reading.weight[group][voxel % 4];
-    if (weight == 0) continue;
-    if (change == Change::add && sums.weight[voxel] > TsdfUnits::kFullWeight) continue;
-    if (change == Change::take_back && sums.weight[voxel] < weight) continue;  // it was never added
-    const std::int32_t signed_weight = change == Change::add ? weight : -weight;
-    const std::uint8_t* const pixel = bgr + 3 * static_cast<std::ptrdiff_t>(reading.pixel[group][voxel % 4]);
-    sums.weight[voxel] += signed_weight;
-    sums.distance[voxel] += signed_weight * reading.distance[group][voxel % 4];
-    sums.colour[voxel] += signed_weight * openvdb::Vec3i(pixel[2], pixel[1], pixel[0]);
-    ++changed;
+  Int4 changed = {0, 0, 0, 0};
+  for (std::size_t group = 0; group < LeafReading::kGroups; ++group) {
+    const Int4 weight = reading.weight[group];
+    if (!any(weight)) continue;
+    std::int32_t* const weight_sum = sums.weight + 4 * group;
+    std::int32_t* const distance_sum = sums.distance + 4 * group;
+    const Int4 before = load(weight_sum);
+    // Taking back: a voxel with less weight never got this reading.
+    const Int4 mask = change == Change::add ? before <= TsdfUnits::kFullWeight : before >= weight;
+    const Int4 change_of_weight = mask & (change == Change::add ? weight : -weight);
+    store(before + change_of_weight, weight_sum);
+    store(load(distance_sum) + change_of_weight * reading.distance[group], distance_sum);
+    changed -= mask & (weight != 0);
+    if (sums.colour == nullptr) continue;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::int32_t pixel = reading.pixel[group][i];
+      if (pixel < 0 || change_of_weight[i] == 0) continue;
+      const std::uint8_t* const colour = bgr + 3 * static_cast<std::ptrdiff_t>(pixel);
+      auto* const colour_sum = reinterpret_cast<std::int32_t*>(sums.colour + 4 * group + i);
+      store(load(colour_sum) + change_of_weight[i] * Int4{colour[2], colour[1], colour[0], 1}, colour_sum);
+    }
   }
-  return changed;
+  return changed[0] + changed[1] + changed[2] + changed[3];
 }
 
 /// One leaf of a frame's work. Leaves that are new stay outside the trees until all are done.
@@ -37,6 +55,7 @@ struct LeafTask {
   openvdb::Coord origin;
   LeafSums sums;
   std::optional<LooseLeaf> fresh;
+  std::unique_ptr<ColourLeaf> fresh_colour;
   int changed = 0;
 };
 
@@ -45,7 +64,7 @@ std::vector<LeafTask> make_tasks(const std::vector<Eigen::Vector3i>& leaves, Tsd
   tasks.reserve(leaves.size());
   for (const Eigen::Vector3i& leaf : leaves) {
     const openvdb::Coord origin(leaf.x() * kLeafSide, leaf.y() * kLeafSide, leaf.z() * kLeafSide);
-    tasks.push_back({origin, grids.probe(origin), std::nullopt, 0});
+    tasks.push_back({origin, grids.probe(origin), std::nullopt, nullptr, 0});
   }
   return tasks;
 }
@@ -60,6 +79,10 @@ void run_task(const LeafObserver& observer, Change change, LeafTask& task) {
     return;
   }
   if (task.sums.weight == nullptr) task.sums = task.fresh.emplace(task.origin).sums();
+  if (task.sums.colour == nullptr && reading.has_colour) {
+    task.fresh_colour = std::make_unique<ColourLeaf>(task.origin, openvdb::Vec4i(0));
+    task.sums.colour = task.fresh_colour->buffer().data();
+  }
   task.changed = update_leaf<Change::add>(reading, bgr, task.sums);
 }
 
@@ -83,7 +106,8 @@ IntegrationResult integrate_frame(const image::RectifiedFrame& frame, const geom
     ++result.summary.leaves;
     result.summary.voxels += task.changed;
     result.changed_leaves.push_back(leaves[i]);
-    if (task.fresh) grids.insert(std::move(*task.fresh));
+    if (task.fresh) grids.insert(*std::move(task.fresh));
+    if (task.fresh_colour) grids.colour.addLeaf(task.fresh_colour.release());
     if (change == Change::take_back && is_empty(task.sums)) grids.erase(task.origin);
   }
   return result;

@@ -7,6 +7,8 @@ namespace {
 
 constexpr Int4 kNone = {0, 0, 0, 0};
 constexpr float kHalf = 0.5F;
+// Voxels beside a surface are less than one voxel's diagonal from it.
+constexpr float kColourVoxels = 2.0F;
 
 Float4 all_of(double x) { return all(static_cast<float>(x)); }
 
@@ -45,6 +47,7 @@ bool LeafObserver::observe(const openvdb::Coord& origin, LeafReading& reading) c
   const Eigen::Vector3f corner = (camera_from_world_ * first).cast<float>();
   const Float4 along_z = {0.0F, 1.0F, 2.0F, 3.0F};
   Int4 near = kNone;
+  Int4 surface = kNone;
   for (int group = 0; group < LeafReading::kGroups; ++group) {
     const auto i = static_cast<std::size_t>(group);
     const int voxel = 4 * group;
@@ -61,9 +64,12 @@ bool LeafObserver::observe(const openvdb::Coord& origin, LeafReading& reading) c
     const Measurements measured = measure(points.z, sample(pixels));
     reading.weight[i] = measured.weight;
     reading.distance[i] = measured.distance;
-    reading.pixel[i] = truncate(pixels.v + kHalf) * view_.width() + truncate(pixels.u + kHalf);
+    const Int4 pixel = truncate(pixels.v + kHalf) * view_.width() + truncate(pixels.u + kHalf);
+    reading.pixel[i] = measured.surface ? pixel : kNone - 1;
     near |= measured.near;
+    surface |= measured.surface;
   }
+  reading.has_colour = any(surface);
   return any(near);
 }
 
@@ -112,12 +118,15 @@ LeafObserver::Measurements LeafObserver::measure(const Float4& z, const Depths& 
   const Float4 limit = max(least_truncation_, truncation_sigmas_ * sigma);
   // Behind an object's outline its inside would border on the free space that is seen past it: a sheet of no surface.
   const Int4 is_known = is_seen & (distance >= (depths.obliqueness < 0.0F ? -voxel_size_ : -limit));
-  // From one voxel behind the surface on, a reading says less and less: the object may be thinner.
-  const Float4 certainty = distance >= -voxel_size_ ? all(1.0F) : (limit + distance) / (limit - voxel_size_);
+  // From one voxel and standard deviation behind the surface on, a reading says less and less: the object may be
+  // thinner.
+  const Float4 sure = max(voxel_size_, sigma);
+  const Float4 certainty = distance >= -sure ? all(1.0F) : (limit + distance) / (limit - sure);
   const Float4 weight = min(all(1.0F), best_variance_ / (sigma * sigma)) * static_cast<float>(TsdfUnits::kMaxWeight);
   const Int4 rounded = truncate(max(all(1.0F), weight * certainty + kHalf));
   const Float4 cut_off = is_known ? min(distance, limit) : all(0.0F);
-  return {rounded & is_known, round(cut_off * steps_per_metre_), is_known & (distance < limit)};
+  return {rounded & is_known, round(cut_off * steps_per_metre_), is_known & (distance < limit),
+          is_known & (abs(distance) < max(kColourVoxels * voxel_size_, sigma))};
 }
 
 }  // namespace eg::mapping

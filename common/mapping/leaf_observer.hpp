@@ -18,7 +18,8 @@ struct LeafReading {
 
   std::array<Int4, kGroups> weight;    ///< 0: nothing
   std::array<Int4, kGroups> distance;  ///< in TsdfUnits::metres_per_step(); cut off in free space
-  std::array<Int4, kGroups> pixel;     ///< number of the pixel that shows its colour
+  std::array<Int4, kGroups> pixel;     ///< number of the pixel that shows its colour; -1 far from the surface
+  bool has_colour;                     ///< whether any voxel has a pixel
 };
 
 /// Looks the voxels of leaves up in one frame.
@@ -51,7 +52,8 @@ class LeafObserver {
   struct Measurements {
     Int4 weight;
     Int4 distance;
-    Int4 near;  ///< mask: nearer to the surface than the truncation distance
+    Int4 near;     ///< mask: nearer to the surface than the truncation distance
+    Int4 surface;  ///< mask: so near that the surface may run beside it
   };
 
   [[nodiscard]] Pixels project(const Points& points) const;

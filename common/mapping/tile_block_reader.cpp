@@ -8,11 +8,16 @@ namespace {
 
 int floor_divide(int value, int divisor) { return (value >= 0 ? value : value - divisor + 1) / divisor; }
 
+/// NaN where there is none.
+Eigen::Vector3f mean_colour(const openvdb::Vec4i& sums) {
+  return Eigen::Vector3i(sums[0], sums[1], sums[2]).cast<float>() / static_cast<float>(sums[3]);
+}
+
 void read_leaf(const TsdfGrids& grids, const TsdfUnits& units, const IntLeaf& weights, TileBlock& block) {
   const openvdb::Coord origin = weights.origin();
   const std::int32_t* const weight = weights.buffer().data();
   const std::int32_t* const distance = grids.distance.probeConstLeaf(origin)->buffer().data();
-  const openvdb::Vec3i* const colour = grids.colour.probeConstLeaf(origin)->buffer().data();
+  const openvdb::Vec4i* const colour = grids.colour_sums(origin);
   const Eigen::Vector3i shift = Eigen::Vector3i(origin.x(), origin.y(), origin.z()) - block.first_voxel;
   const Eigen::Vector3i first = (-shift).cwiseMax(0);
   const Eigen::Vector3i last = (Eigen::Vector3i::Constant(TileBlock::kSide) - shift).cwiseMin(kLeafSide);
@@ -24,8 +29,7 @@ void read_leaf(const TsdfGrids& grids, const TsdfUnits& units, const IntLeaf& we
         const auto to = static_cast<std::size_t>(TileBlock::index(x + shift.x(), y + shift.y(), z + shift.z()));
         const float scale = 1.0F / static_cast<float>(weight[from]);
         block.distance[to] = units.metres_per_step() * scale * static_cast<float>(distance[from]);
-        const openvdb::Vec3i& sum = colour[from];
-        block.colour[to] = scale * Eigen::Vector3i(sum[0], sum[1], sum[2]).cast<float>();
+        if (colour != nullptr) block.colour[to] = mean_colour(colour[from]);
       }
     }
   }
@@ -41,7 +45,7 @@ TileBlock read_tile(const TsdfGrids& grids, const TsdfUnits& units, const Eigen:
     for (int y = floor_divide(block.first_voxel.y(), kLeafSide); y <= floor_divide(last_voxel.y(), kLeafSide); ++y) {
       for (int z = floor_divide(block.first_voxel.z(), kLeafSide); z <= floor_divide(last_voxel.z(), kLeafSide); ++z) {
         origin.reset(x * kLeafSide, y * kLeafSide, z * kLeafSide);
-        const IntLeaf* const leaf = grids.weight.probeConstLeaf(origin);
+        const IntLeaf* const leaf = grids.weight->probeConstLeaf(origin);
         if (leaf != nullptr) read_leaf(grids, units, *leaf, block);
       }
     }
@@ -51,7 +55,7 @@ TileBlock read_tile(const TsdfGrids& grids, const TsdfUnits& units, const Eigen:
 
 std::vector<Eigen::Vector3i> tiles_with_leaves(const TsdfGrids& grids) {
   std::vector<Eigen::Vector3i> tiles;
-  for (auto leaf = grids.weight.cbeginLeaf(); leaf; ++leaf) {
+  for (auto leaf = grids.weight->cbeginLeaf(); leaf; ++leaf) {
     const openvdb::Coord& origin = leaf->origin();
     tiles.emplace_back(floor_divide(origin.x(), kTileSide), floor_divide(origin.y(), kTileSide),
                        floor_divide(origin.z(), kTileSide));

@@ -13,6 +13,7 @@ namespace {
 
 // A vertex on a corner would be shared by all edges there, and triangles between them would have no area.
 constexpr float kMinFraction = 0.02F;
+constexpr float kGrey = 127.0F;
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 int corner_offset(int corner) { return TileBlock::index(corner & 1, corner >> 1 & 1, corner >> 2 & 1); }
@@ -90,7 +91,7 @@ class Mesher {
     for (int i = 0; i < 3; ++i) {
       gradient[i] = i == axis ? to - from : (1.0F - fraction) * slope(index, i) + fraction * slope(other, i);
     }
-    const Eigen::Vector3f colour = (1.0F - fraction) * colour_at(index) + fraction * colour_at(other);
+    const Eigen::Vector3f colour = colour_between(index, other, fraction);
 
     Mesh& mesh = result_.mesh;
     mesh.vertices.push_back((voxel_size_ * position).cast<float>());
@@ -109,6 +110,15 @@ class Mesher {
     const float after = distance_at(index + TileBlock::kStride[axis]);
     if (std::isnan(before)) return std::isnan(after) ? 0.0F : after - here;
     return std::isnan(after) ? here - before : 0.5F * (after - before);
+  }
+
+  /// What is not known at one of the two voxels is taken from the other; known at neither, it is a medium grey.
+  [[nodiscard]] Eigen::Vector3f colour_between(int index, int other, float fraction) const {
+    const Eigen::Vector3f& from = colour_at(index);
+    const Eigen::Vector3f& to = colour_at(other);
+    if (from.hasNaN()) return to.hasNaN() ? Eigen::Vector3f::Constant(kGrey) : to;
+    if (to.hasNaN()) return from;
+    return (1.0F - fraction) * from + fraction * to;
   }
 
   static bool is_on_border(const Eigen::Vector3i& low, int axis) {
@@ -155,7 +165,7 @@ std::vector<std::uint32_t> append_vertices(const TileMesh& tile,
 TileBlock::TileBlock(const Eigen::Vector3i& tile)
     : first_voxel(kTileSide * tile - Eigen::Vector3i::Ones()),
       distance(static_cast<std::size_t>(kSide) * kSide * kSide, std::numeric_limits<float>::quiet_NaN()),
-      colour(distance.size(), Eigen::Vector3f::Zero()) {}
+      colour(distance.size(), Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN())) {}
 
 TileMesh mesh_tile(const TileBlock& block, double voxel_size, double max_step) {
   return Mesher(block, voxel_size, max_step).run();

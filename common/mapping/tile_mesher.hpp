@@ -19,7 +19,7 @@ struct TileBlock {
 
   Eigen::Vector3i first_voxel;          ///< voxel at index 0: the tile's lowest corner less (1, 1, 1)
   std::vector<float> distance;          ///< signed, metres; NaN where not observed
-  std::vector<Eigen::Vector3f> colour;  ///< red, green, blue in [0, 255]
+  std::vector<Eigen::Vector3f> colour;  ///< red, green, blue in [0, 255]; NaN where not known
 
   explicit TileBlock(const Eigen::Vector3i& tile);
 

@@ -14,7 +14,7 @@
 namespace eg::mapping {
 
 using IntTree = openvdb::Int32Tree;
-using ColourTree = openvdb::Vec3ITree;
+using ColourTree = openvdb::tree::Tree4<openvdb::Vec4i, 5, 4, 3>::Type;
 using IntLeaf = IntTree::LeafNodeType;
 using ColourLeaf = ColourTree::LeafNodeType;
 
@@ -51,50 +51,53 @@ class TsdfUnits {
 struct LeafSums {
   std::int32_t* weight = nullptr;
   std::int32_t* distance = nullptr;  ///< weight times signed distance, in TsdfUnits::metres_per_step()
-  openvdb::Vec3i* colour = nullptr;  ///< weight times red, green, blue
+  openvdb::Vec4i* colour = nullptr;  ///< weight times red, green, blue, 1; null: no colour yet
 };
 
 /// A leaf that is in no tree.
 struct LooseLeaf {
   std::unique_ptr<IntLeaf> weight;
   std::unique_ptr<IntLeaf> distance;
-  std::unique_ptr<ColourLeaf> colour;
 
   explicit LooseLeaf(const openvdb::Coord& origin)
-      : weight(std::make_unique<IntLeaf>(origin, 0)),
-        distance(std::make_unique<IntLeaf>(origin, 0)),
-        colour(std::make_unique<ColourLeaf>(origin, openvdb::Vec3i(0))) {}
+      : weight(std::make_unique<IntLeaf>(origin, 0)), distance(std::make_unique<IntLeaf>(origin, 0)) {}
 
-  [[nodiscard]] LeafSums sums() {
-    return {weight->buffer().data(), distance->buffer().data(), colour->buffer().data()};
-  }
+  [[nodiscard]] LeafSums sums() const { return {weight->buffer().data(), distance->buffer().data(), nullptr}; }
 };
 
-/// Three trees with the same leaves. The active states of the voxels are not kept: a voxel is observed if it has
-/// weight.
+/// Weight and distance have the same leaves; colour has those near a surface, where alone it is wanted. The active
+/// states of the voxels are not kept: a voxel is observed if it has weight.
 struct TsdfGrids {
-  IntTree weight{0};
+  IntTree::Ptr weight = std::make_shared<IntTree>(0);  ///< shared with the grid that write_grids() writes
   IntTree distance{0};
-  ColourTree colour{openvdb::Vec3i(0)};
+  ColourTree colour{openvdb::Vec4i(0)};
 
   /// Null pointers if there is no such leaf.
   [[nodiscard]] LeafSums probe(const openvdb::Coord& origin) {
-    IntLeaf* const leaf = weight.probeLeaf(origin);
+    IntLeaf* const leaf = weight->probeLeaf(origin);
     if (leaf == nullptr) return {};
-    return {leaf->buffer().data(), distance.probeLeaf(origin)->buffer().data(),
-            colour.probeLeaf(origin)->buffer().data()};
+    return {leaf->buffer().data(), distance.probeLeaf(origin)->buffer().data(), colour_sums(origin)};
+  }
+
+  /// Null if there is no such leaf.
+  [[nodiscard]] openvdb::Vec4i* colour_sums(const openvdb::Coord& origin) {
+    ColourLeaf* const leaf = colour.probeLeaf(origin);
+    return leaf == nullptr ? nullptr : leaf->buffer().data();
+  }
+  [[nodiscard]] const openvdb::Vec4i* colour_sums(const openvdb::Coord& origin) const {
+    const ColourLeaf* const leaf = colour.probeConstLeaf(origin);
+    return leaf == nullptr ? nullptr : leaf->buffer().data();
   }
 
   void insert(LooseLeaf leaf) {
-    weight.addLeaf(leaf.weight.release());
+    weight->addLeaf(leaf.weight.release());
     distance.addLeaf(leaf.distance.release());
-    colour.addLeaf(leaf.colour.release());
   }
 
   void erase(const openvdb::Coord& origin) {
-    const std::unique_ptr<IntLeaf> no_weight(weight.stealNode<IntLeaf>(origin, 0, false));
+    const std::unique_ptr<IntLeaf> no_weight(weight->stealNode<IntLeaf>(origin, 0, false));
     const std::unique_ptr<IntLeaf> no_distance(distance.stealNode<IntLeaf>(origin, 0, false));
-    const std::unique_ptr<ColourLeaf> no_colour(colour.stealNode<ColourLeaf>(origin, openvdb::Vec3i(0), false));
+    const std::unique_ptr<ColourLeaf> no_colour(colour.stealNode<ColourLeaf>(origin, openvdb::Vec4i(0), false));
   }
 };
 

@@ -86,11 +86,11 @@ std::vector<Eigen::Vector3i> TsdfMap::take_changed_tiles() { return std::exchang
 
 double TsdfMap::tile_size() const { return kTileSide * impl_->options.voxel_size; }
 
-std::int64_t TsdfMap::leaf_count() const { return impl_->grids->weight.leafCount(); }
+std::int64_t TsdfMap::leaf_count() const { return impl_->grids->weight->leafCount(); }
 
 std::int64_t TsdfMap::memory_bytes() const {
   const TsdfGrids& grids = *impl_->grids;
-  return static_cast<std::int64_t>(grids.weight.memUsage() + grids.distance.memUsage() + grids.colour.memUsage());
+  return static_cast<std::int64_t>(grids.weight->memUsage() + grids.distance.memUsage() + grids.colour.memUsage());
 }
 
 base::Status TsdfMap::write_vdb(std::ostream& out) const { return write_grids(*impl_->grids, impl_->options, out); }

@@ -11,9 +11,9 @@ namespace eg::mapping {
 struct TsdfOptions {
   double voxel_size = 0.02;        ///< distance between samples of the field, metres
   double min_depth = 0.3;          ///< nearer readings are ignored, metres
-  double max_depth = 7.0;          ///< farther readings are ignored, metres
+  double max_depth = 5.0;          ///< farther readings, of 4 cm noise and more, are ignored, metres
   double truncation_voxels = 3.0;  ///< the field is known up to this many voxels from a surface at least
-  double truncation_sigmas = 3.0;  ///< and at least this many standard deviations of the reading
+  double truncation_sigmas = 2.0;  ///< and at least this many standard deviations of the reading
   double max_gradient = 3.0;  ///< a step above this many voxel sizes from voxel to voxel is a depth edge, no surface
 
   bool operator==(const TsdfOptions&) const = default;

@@ -21,12 +21,22 @@ void initialise_openvdb() {
   std::call_once(once, [] { openvdb::initialize(); });
 }
 
+void describe(openvdb::GridBase& grid, const char* name, const TsdfOptions& options) {
+  grid.setName(name);
+  grid.setTransform(openvdb::math::Transform::createLinearTransform(options.voxel_size));
+}
+
 template <typename Grid>
 typename Grid::Ptr make_grid(const char* name, typename Grid::ValueType background, const TsdfOptions& options) {
   auto grid = Grid::create(background);
-  grid->setName(name);
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(options.voxel_size));
+  describe(*grid, name, options);
   return grid;
+}
+
+openvdb::Vec3f mean_colour(const openvdb::Vec4i& sums) {
+  const float scale = 1.0F / (kMaxColour * static_cast<float>(sums[3]));
+  return {scale * static_cast<float>(sums[0]), scale * static_cast<float>(sums[1]),
+          scale * static_cast<float>(sums[2])};
 }
 
 template <typename Grid>
@@ -44,18 +54,24 @@ bool has_voxel_size(const openvdb::GridBase& grid, double voxel_size) {
   return origin.length() < 1e-9 && (diagonal - openvdb::Vec3d(voxel_size)).length() < 1e-9;
 }
 
-/// The sums of one voxel from its means. False if they are nothing that write_grids() writes.
-bool restore_voxel(const TsdfUnits& units, float weight, float distance, const openvdb::Vec3f& colour,
-                   const LeafSums& sums, openvdb::Index voxel) {
+/// The sums of weight and distance of one voxel. False if they are nothing that write_grids() writes.
+bool restore_distance(const TsdfUnits& units, std::int32_t weight, float distance, const LeafSums& sums,
+                      openvdb::Index voxel) {
   const float steps = distance / units.metres_per_step();
-  if (!(weight >= 1.0F && weight <= static_cast<float>(TsdfUnits::kFullWeight + TsdfUnits::kMaxWeight))) return false;
+  if (weight < 1 || weight > TsdfUnits::kFullWeight + TsdfUnits::kMaxWeight) return false;
   if (!(std::abs(steps) <= static_cast<float>(TsdfUnits::kTruncationSteps))) return false;
+  sums.weight[voxel] = weight;
+  sums.distance[voxel] = static_cast<std::int32_t>(std::lrint(static_cast<float>(weight) * steps));
+  return true;
+}
+
+/// The same for the sums of colour.
+bool restore_colour(std::int32_t weight, const openvdb::Vec3f& colour, openvdb::Vec4i& sums) {
   for (int i = 0; i < 3; ++i) {
     if (!(colour[i] >= 0.0F && colour[i] <= 1.0F)) return false;
-    sums.colour[voxel][i] = static_cast<std::int32_t>(std::lrint(weight * kMaxColour * colour[i]));
+    sums[i] = static_cast<std::int32_t>(std::lrint(static_cast<float>(weight) * kMaxColour * colour[i]));
   }
-  sums.weight[voxel] = static_cast<std::int32_t>(std::lrint(weight));
-  sums.distance[voxel] = static_cast<std::int32_t>(std::lrint(weight * steps));
+  sums[3] = weight;
   return true;
 }
 
@@ -74,25 +90,25 @@ base::Status write_grids(const TsdfGrids& grids, const TsdfOptions& options, std
   const TsdfUnits units(options);
   const float outside = units.metres_per_step() * TsdfUnits::kTruncationSteps;
   auto distances = make_grid<openvdb::FloatGrid>(kDistanceName, outside, options);
-  auto weights = make_grid<openvdb::FloatGrid>(kWeightName, 0.0F, options);
   auto colours = make_grid<openvdb::Vec3SGrid>(kColourName, openvdb::Vec3f(0.0F), options);
+  auto weights = openvdb::Int32Grid::create(grids.weight);
+  describe(*weights, kWeightName, options);
   distances->setGridClass(openvdb::GRID_LEVEL_SET);
   weights->setGridClass(openvdb::GRID_FOG_VOLUME);
 
-  for (auto leaf = grids.weight.cbeginLeaf(); leaf; ++leaf) {
+  for (auto leaf = grids.weight->beginLeaf(); leaf; ++leaf) {
     const openvdb::Coord& origin = leaf->origin();
     const std::int32_t* const weight = leaf->buffer().data();
     const std::int32_t* const distance = grids.distance.probeConstLeaf(origin)->buffer().data();
-    const openvdb::Vec3i* const colour = grids.colour.probeConstLeaf(origin)->buffer().data();
+    const openvdb::Vec4i* const colour = grids.colour_sums(origin);
     auto* const distance_leaf = distances->tree().touchLeaf(origin);
-    auto* const weight_leaf = weights->tree().touchLeaf(origin);
-    auto* const colour_leaf = colours->tree().touchLeaf(origin);
+    auto* const colour_leaf = colour != nullptr ? colours->tree().touchLeaf(origin) : nullptr;
     for (openvdb::Index voxel = 0; voxel < IntLeaf::SIZE; ++voxel) {
+      leaf->setActiveState(voxel, weight[voxel] != 0);
       if (weight[voxel] == 0) continue;
       const float scale = 1.0F / static_cast<float>(weight[voxel]);
-      weight_leaf->setValueOn(voxel, static_cast<float>(weight[voxel]));
       distance_leaf->setValueOn(voxel, units.metres_per_step() * scale * static_cast<float>(distance[voxel]));
-      colour_leaf->setValueOn(voxel, scale / kMaxColour * openvdb::Vec3f(colour[voxel]));
+      if (colour != nullptr && colour[voxel][3] != 0) colour_leaf->setValueOn(voxel, mean_colour(colour[voxel]));
     }
   }
   try {
@@ -108,10 +124,10 @@ base::Result<std::unique_ptr<TsdfGrids>> read_grids(std::istream& in, const Tsdf
   const auto file = read_stream(in);
   if (!file) return tl::make_unexpected(file.error());
   const auto* const distances = find_grid<openvdb::FloatGrid>(**file, kDistanceName);
-  const auto* const weights = find_grid<openvdb::FloatGrid>(**file, kWeightName);
+  const auto* const weights = find_grid<openvdb::Int32Grid>(**file, kWeightName);
   const auto* const colours = find_grid<openvdb::Vec3SGrid>(**file, kColourName);
   if (distances == nullptr || weights == nullptr || colours == nullptr) {
-    return base::fail("the OpenVDB file lacks one of the grids tsdf, weight (float) and colour (vec3s)");
+    return base::fail("the OpenVDB file lacks one of the grids tsdf (float), weight (int32) and colour (vec3s)");
   }
   for (const openvdb::GridBase* grid :
        {static_cast<const openvdb::GridBase*>(distances), static_cast<const openvdb::GridBase*>(weights),
@@ -127,15 +143,19 @@ base::Result<std::unique_ptr<TsdfGrids>> read_grids(std::istream& in, const Tsdf
   for (auto leaf = weights->tree().cbeginLeaf(); leaf; ++leaf) {
     const auto* const distance = distances->tree().probeConstLeaf(leaf->origin());
     const auto* const colour = colours->tree().probeConstLeaf(leaf->origin());
-    if (distance == nullptr || colour == nullptr) return base::fail("the OpenVDB grids do not cover the same space");
+    if (distance == nullptr) return base::fail("the OpenVDB grids do not cover the same space");
     LooseLeaf loose(leaf->origin());
     const LeafSums sums = loose.sums();
+    auto colour_sums = colour != nullptr ? std::make_unique<ColourLeaf>(leaf->origin(), openvdb::Vec4i(0)) : nullptr;
     for (auto value = leaf->cbeginValueOn(); value; ++value) {
       const openvdb::Index voxel = value.pos();
-      if (!restore_voxel(units, *value, distance->getValue(voxel), colour->getValue(voxel), sums, voxel)) {
+      const bool has_colour = colour != nullptr && colour->isValueOn(voxel);
+      if (!restore_distance(units, *value, distance->getValue(voxel), sums, voxel) ||
+          (has_colour && !restore_colour(*value, colour->getValue(voxel), colour_sums->buffer().data()[voxel]))) {
         return base::fail("a voxel of the OpenVDB grids is out of range");
       }
     }
+    if (colour_sums) grids->colour.addLeaf(colour_sums.release());
     grids->insert(std::move(loose));
   }
   return grids;
