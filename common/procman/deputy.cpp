@@ -91,10 +91,14 @@ void Deputy::shut_down() {
 
 /// Sheriffs heed each other, but those of others may not.
 void Deputy::note_sheriff(const std::string& name, Now now) {
-  if (name != sheriff_ && !sheriff_.empty() && now.time - sheriff_heard_ < kSheriffMemory) {
-    say(kDeputyItself, "two sheriffs are at work, " + sheriff_ + " and " + name + ": end one of them\n");
+  if (name != sheriff_) {
+    // One that follows another is no trouble; one that comes back is.
+    const bool both_at_work = name == sheriff_before_ && now.time - sheriff_before_heard_ < kSheriffMemory;
+    if (both_at_work)
+      say(kDeputyItself, "two sheriffs are at work, " + sheriff_ + " and " + name + ": end one of them\n");
+    sheriff_before_ = std::exchange(sheriff_, name);
+    sheriff_before_heard_ = sheriff_heard_;
   }
-  sheriff_ = name;
   sheriff_heard_ = now.time;
 }
 

@@ -6,17 +6,12 @@
 #include <string>
 
 #include "common/procman/host_usage.hpp"
+#include "common/procman/now.hpp"
 #include "common/procman/output_limit.hpp"
 #include "common/procman/protocol.hpp"
 #include "common/procman/supervisor.hpp"
 
 namespace eg::procman {
-
-/// Both clocks: one that never jumps, and the one that messages carry, microseconds.
-struct Now {
-  Clock::time_point time;
-  std::int64_t utime = 0;
-};
 
 /// Where a deputy's messages go.
 struct DeputyOutbox {
@@ -103,6 +98,8 @@ class Deputy {
   HostUsage host_usage_;
   std::string sheriff_;  ///< whose orders came last
   Clock::time_point sheriff_heard_;
+  std::string sheriff_before_;  ///< the other whose orders came before that
+  Clock::time_point sheriff_before_heard_;
   bool changed_ = false;  ///< since the last report
   bool shutting_down_ = false;
   std::optional<Conflict> conflict_;

@@ -70,8 +70,9 @@ std::vector<ProcessUsage> measure_processes(const std::vector<pid_t>& roots) {
   const std::int64_t page_bytes = sysconf(_SC_PAGESIZE);
   std::vector<ProcessUsage> usages;
   for (const pid_t root : roots) {
-    const std::set<pid_t> members = with_descendants(processes, {root});
     ProcessUsage& usage = usages.emplace_back();
+    if (root == 0) continue;  // of which everything descends
+    const std::set<pid_t> members = with_descendants(processes, {root});
     for (const Process& process : processes) {
       if (!members.contains(process.pid)) continue;
       usage.cpu_seconds += static_cast<double>(process.cpu_ticks) / ticks_per_second;

@@ -8,14 +8,13 @@
 
 #include "common/procman/command_set.hpp"
 #include "common/procman/configuration.hpp"
+#include "common/procman/now.hpp"
 
 namespace eg::procman {
 
 /// Carries out a script step by step while its caller keeps the commands going.
 class ScriptRunner {
  public:
-  using Clock = std::chrono::steady_clock;
-
   struct Options {
     std::chrono::milliseconds wait_limit{30000};  ///< for each `wait` on a status; upstream's have none
   };

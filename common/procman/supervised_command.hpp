@@ -9,11 +9,10 @@
 #include <string_view>
 
 #include "common/procman/configuration.hpp"
+#include "common/procman/now.hpp"
 #include "common/procman/spawn.hpp"
 
 namespace eg::procman {
-
-using Clock = std::chrono::steady_clock;
 
 /// Number of a command within its supervisor.
 using CommandId = std::size_t;

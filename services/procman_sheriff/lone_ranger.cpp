@@ -103,7 +103,9 @@ base::Status run_lone_ranger(const LoneRangerOptions& options, const LoneRangerS
   base::Status status;
   while (!signals.stop()) {
     if (script) status = script->step(Clock::now());
-    if (!status || ((!script || script->done()) && !supervisor.busy())) break;
+    const bool done = !script || script->done();
+    if (!status || (done && !supervisor.busy())) break;
+    if (script && done && options.stop_on_script_complete) break;
     supervisor.poll(kTick);
   }
   if (status && !signals.stop()) status = check_outcomes(supervisor);

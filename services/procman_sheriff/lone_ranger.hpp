@@ -14,6 +14,7 @@ struct LoneRangerOptions {
   std::filesystem::path file;
   std::string script;                           ///< empty: start everything
   std::chrono::milliseconds wait_limit{30000};  ///< for each wait of the script
+  bool stop_on_script_complete = false;         ///< instead of when the commands have ended
 };
 
 /// Asked all the time.

@@ -319,7 +319,9 @@ TEST_F(DeputyTest, SaysThatTwoSheriffsAreAtWork) {
   order({}, "a:1:1");
   EXPECT_EQ(output(0), "");
   order({}, "b:2:2");
-  EXPECT_THAT(output(0), HasSubstr("two sheriffs are at work, a:1:1 and b:2:2"));
+  EXPECT_EQ(output(0), "") << "the first may have ended";
+  order({}, "a:1:1");
+  EXPECT_THAT(output(0), HasSubstr("two sheriffs are at work, b:2:2 and a:1:1"));
   texts_.clear();
   ahead_ += 10s;
   order({}, "a:1:1");
