@@ -10,12 +10,6 @@ constexpr float kMinDepth = 0.05F;  // metres; below and above, no sensor of thi
 constexpr float kMaxDepth = 100.0F;
 constexpr int kMinBlockPixels = 12;
 
-int automatic_block_size(const cv::Size& image) {
-  constexpr double kBlockSizeAtVga = 10.0;
-  const double scale = std::sqrt(image.area() / (640.0 * 480.0));
-  return std::clamp(static_cast<int>(std::lround(kBlockSizeAtVga * scale)), 5, 64);
-}
-
 void invert_depth(const cv::Mat& depth, cv::Mat& inverse_depth) {
   inverse_depth.create(depth.size(), CV_32FC1);
   for (int v = 0; v < depth.rows; ++v) {
@@ -62,16 +56,11 @@ PlaneFit fit_block(const PlaneMoments& moments, const cv::Rect& area, double min
 
 }  // namespace
 
-double noise_level(const BlockGrid& grid) {
-  constexpr double kLowest = 1.0 / 3.0;
-  std::vector<double> errors;
-  for (const PlaneFit& fit : grid.fits) {
-    if (fit.valid) errors.push_back(fit.mean_squared_error);
-  }
-  if (errors.empty()) return 1.0;
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return std::clamp(std::sqrt(*middle), kLowest, 1.0);
+int block_size_of(const PlaneOptions& options, const cv::Size& image) {
+  if (options.block_size > 0) return options.block_size;
+  constexpr double kBlockSizeAtVga = 10.0;
+  const double scale = std::sqrt(image.area() / (640.0 * 480.0));
+  return std::clamp(static_cast<int>(std::lround(kBlockSizeAtVga * scale)), 5, 64);
 }
 
 void weight_by_noise(PlaneMoments& moments) {
@@ -88,7 +77,7 @@ cv::Rect BlockGrid::pixels_of(int column, int row) const {
 
 void build_blocks(const cv::Mat& depth, const geometry::CameraModel& camera, const PlaneOptions& options,
                   const PlaneTolerance& tolerance, BlockGrid& grid) {
-  grid.block_size = options.block_size > 0 ? options.block_size : automatic_block_size(depth.size());
+  grid.block_size = block_size_of(options, depth.size());
   grid.columns = (depth.cols + grid.block_size - 1) / grid.block_size;
   grid.rows = (depth.rows + grid.block_size - 1) / grid.block_size;
   grid.ray_x.resize(static_cast<std::size_t>(depth.cols));

@@ -25,13 +25,12 @@ struct BlockGrid {
   [[nodiscard]] cv::Rect pixels_of(int column, int row) const;
 };
 
+/// Side of the blocks that an image of this size is cut into, pixels.
+int block_size_of(const PlaneOptions& options, const cv::Size& image);
+
 /// Fills `grid` from a depth image in metres.
 void build_blocks(const cv::Mat& depth, const geometry::CameraModel& camera, const PlaneOptions& options,
                   const PlaneTolerance& tolerance, BlockGrid& grid);
-
-/// The noise of this image compared with geometry::depth_sigma: the median rms error of the flat blocks. Between 1 and
-/// a third, so that neither clutter nor a perfect renderer carries the thresholds away.
-double noise_level(const BlockGrid& grid);
 
 /// Gives moments of unweighted pixels that lie at about one depth the weight 1/sigma².
 void weight_by_noise(PlaneMoments& moments);

@@ -8,11 +8,16 @@
 namespace eg::features {
 namespace {
 
-/// Disjoint sets of blocks with the moments of each set.
+/// Disjoint sets of blocks with the region of each set.
 class BlockSets {
  public:
-  explicit BlockSets(const BlockGrid& grid) : parents_(grid.moments.size()), moments_(grid.moments) {
+  explicit BlockSets(const BlockGrid& grid) : parents_(grid.moments.size()) {
     std::iota(parents_.begin(), parents_.end(), 0);
+    regions_.reserve(grid.moments.size());
+    for (std::size_t i = 0; i < grid.moments.size(); ++i) {
+      const PlaneFit& fit = grid.fits[i];
+      regions_.push_back({grid.moments[i], fit.plane, fit.mean_squared_error, grid.moments[i].pixels});
+    }
   }
 
   int find(int block) {
@@ -20,19 +25,19 @@ class BlockSets {
     return block;
   }
 
-  [[nodiscard]] const PlaneMoments& moments(int root) const { return moments_[static_cast<std::size_t>(root)]; }
+  [[nodiscard]] const PlaneRegion& region(int root) const { return regions_[static_cast<std::size_t>(root)]; }
 
   void unite(int a, int b) {
-    if (moments(a).pixels < moments(b).pixels) std::swap(a, b);
+    if (region(a).support < region(b).support) std::swap(a, b);
     parent(b) = a;
-    moments_[static_cast<std::size_t>(a)] += moments(b);
+    regions_[static_cast<std::size_t>(a)].join(region(b));
   }
 
  private:
   int& parent(int block) { return parents_[static_cast<std::size_t>(block)]; }
 
   std::vector<int> parents_;
-  std::vector<PlaneMoments> moments_;
+  std::vector<PlaneRegion> regions_;
 };
 
 /// Two neighbouring blocks and the error of the union of the sets they belonged to when it was last computed.
@@ -55,7 +60,7 @@ class EdgeHeap {
     const int root_a = sets_.find(a);
     const int root_b = sets_.find(b);
     if (root_a == root_b) return;
-    const auto fit = fit_union(sets_.moments(root_a), sets_.moments(root_b), tolerance_);
+    const auto fit = fit_union(sets_.region(root_a), sets_.region(root_b), tolerance_);
     if (fit) heap_.push({fit->mean_squared_error, a, b, union_pixels(root_a, root_b)});
   }
 
@@ -76,7 +81,7 @@ class EdgeHeap {
 
  private:
   [[nodiscard]] double union_pixels(int root_a, int root_b) const {
-    return sets_.moments(root_a).pixels + sets_.moments(root_b).pixels;
+    return sets_.region(root_a).support + sets_.region(root_b).support;
   }
 
   BlockSets& sets_;
@@ -101,21 +106,22 @@ std::vector<int> largest_roots(const BlockGrid& grid, BlockSets& sets, double mi
   std::vector<int> roots;
   for (int block = 0; block < grid.block_count(); ++block) {
     const bool is_root = grid.fits[static_cast<std::size_t>(block)].valid && sets.find(block) == block;
-    if (is_root && sets.moments(block).pixels >= min_pixels) roots.push_back(block);
+    if (is_root && sets.region(block).support >= min_pixels) roots.push_back(block);
   }
   std::stable_sort(roots.begin(), roots.end(),
-                   [&](int a, int b) { return sets.moments(a).pixels > sets.moments(b).pixels; });
+                   [&](int a, int b) { return sets.region(a).support > sets.region(b).support; });
   if (roots.size() > static_cast<std::size_t>(max_regions)) roots.resize(static_cast<std::size_t>(max_regions));
   return roots;
 }
 
 }  // namespace
 
-std::optional<PlaneFit> fit_union(const PlaneMoments& left, const PlaneMoments& right,
-                                  const PlaneTolerance& tolerance) {
-  const PlaneFit fit = fit_plane(left + right);
-  if (!fit.valid || !tolerance.accepts(left, fit.plane) || !tolerance.accepts(right, fit.plane)) return std::nullopt;
-  return fit;
+std::optional<PlaneFit> fit_union(const PlaneRegion& left, const PlaneRegion& right, const PlaneTolerance& tolerance) {
+  const PlaneFit fit = fit_plane(left.moments + right.moments);
+  const auto is_on_it = [&](const PlaneRegion& part) {
+    return tolerance.accepts_union(part.moments, part.mean_squared_error, fit.plane);
+  };
+  return fit.valid && is_on_it(left) && is_on_it(right) ? std::optional(fit) : std::nullopt;
 }
 
 BlockClusters cluster_blocks(const BlockGrid& grid, const PlaneTolerance& tolerance, double min_pixels,
@@ -130,7 +136,7 @@ BlockClusters cluster_blocks(const BlockGrid& grid, const PlaneTolerance& tolera
   std::vector<int> region_of_root(clusters.region_of_block);
   for (const int root : largest_roots(grid, sets, min_pixels, max_regions)) {
     region_of_root[static_cast<std::size_t>(root)] = static_cast<int>(clusters.regions.size());
-    clusters.regions.push_back({sets.moments(root), fit_plane(sets.moments(root)).plane, sets.moments(root).pixels});
+    clusters.regions.push_back(sets.region(root));
   }
   for (int block = 0; block < grid.block_count(); ++block) {
     const auto index = static_cast<std::size_t>(block);

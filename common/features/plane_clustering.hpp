@@ -12,12 +12,20 @@ namespace eg::features {
 struct PlaneRegion {
   PlaneMoments moments;  ///< of the pixels that its plane is fitted to
   InverseDepthPlane plane = InverseDepthPlane::Zero();
-  double support = 0;  ///< number of pixels that belong to it
+  double mean_squared_error = 0;  ///< of those pixels
+  double support = 0;             ///< number of pixels that belong to it
+
+  /// Fits the plane to the moments.
+  void fit() {
+    const PlaneFit fitted = fit_plane(moments);
+    plane = fitted.plane;
+    mean_squared_error = fitted.mean_squared_error;
+  }
 
   void join(const PlaneRegion& other) {
     moments += other.moments;
     support += other.support;
-    plane = fit_plane(moments).plane;
+    fit();
   }
 };
 
@@ -33,6 +41,6 @@ BlockClusters cluster_blocks(const BlockGrid& grid, const PlaneTolerance& tolera
                              int max_regions);
 
 /// The plane of the union of two regions, unless one of them does not fit it.
-std::optional<PlaneFit> fit_union(const PlaneMoments& left, const PlaneMoments& right, const PlaneTolerance& tolerance);
+std::optional<PlaneFit> fit_union(const PlaneRegion& left, const PlaneRegion& right, const PlaneTolerance& tolerance);
 
 }  // namespace eg::features

@@ -13,6 +13,7 @@
 #include "common/features/plane_growing.hpp"
 #include "common/features/plane_hull.hpp"
 #include "common/features/plane_merging.hpp"
+#include "common/features/plane_noise.hpp"
 #include "common/features/plane_refit.hpp"
 
 namespace eg::features {
@@ -33,7 +34,8 @@ Eigen::Matrix4d hessian_covariance(const geometry::Plane& plane, const Eigen::Ma
   return jacobian * covariance_of_t * jacobian.transpose();
 }
 
-/// What calibration leaves: a tilt about the centroid and a change of scale.
+/// What calibration leaves, and at the least what depth in whole units leaves: a tilt about the centroid and a change
+/// of scale.
 Eigen::Matrix4d systematic_covariance(const PlaneFeature& feature, double angle, double relative_distance) {
   const Eigen::Vector3d& n = feature.plane.normal;
   Eigen::Matrix<double, 4, 3> tilt;
@@ -45,7 +47,7 @@ Eigen::Matrix4d systematic_covariance(const PlaneFeature& feature, double angle,
   return covariance;
 }
 
-PlaneFeature make_feature(const PlaneRegion& region, const PlaneScatter& scatter, double noise,
+PlaneFeature make_feature(const PlaneRegion& region, const PlaneScatter& scatter, double warp, double warp_area,
                           const PlaneOptions& options) {
   PlaneFeature feature;
   feature.plane = hessian_form(region.plane);
@@ -53,8 +55,9 @@ PlaneFeature make_feature(const PlaneRegion& region, const PlaneScatter& scatter
   const Eigen::Vector3d mean = scatter.point_sum / region.support;
   feature.centroid = mean - feature.plane.signed_distance(mean) * feature.plane.normal;
   feature.covariance =
-      hessian_covariance(feature.plane, plane_covariance(region, scatter)) +
-      systematic_covariance(feature, noise * options.systematic_angle, noise * options.systematic_distance);
+      hessian_covariance(feature.plane, plane_covariance(region, scatter) + warp_covariance(region, warp, warp_area)) +
+      systematic_covariance(feature, std::hypot(options.rounding, warp * options.systematic_angle),
+                            std::hypot(options.rounding, warp * options.systematic_distance));
   return feature;
 }
 
@@ -104,8 +107,10 @@ base::Status validate(const PlaneOptions& options) {
   if (!(options.lateral_sigma >= 0)) return out_of_range("lateral_sigma", "at least 0");
   if (!(options.min_support_fraction > 0 && options.min_support_fraction <= 1)) {
     return out_of_range("min_support_fraction", "in (0, 1]");
+    if (!(options.warp_blocks >= 0)) return out_of_range("warp_blocks", "at least 0");
   }
   if (!(options.systematic_angle >= 0)) return out_of_range("systematic_angle", "at least 0");
+  if (!(options.rounding >= 0)) return out_of_range("rounding", "at least 0");
   if (!(options.systematic_distance >= 0)) return out_of_range("systematic_distance", "at least 0");
   return {};
 }
@@ -131,16 +136,19 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   auto& [grid, grower, labels, patches] = *buffers_;
   const double min_support = options_.min_support_fraction * static_cast<double>(depth.total());
 
-  const PlaneTolerance sensor(camera, options_.lateral_sigma, options_.max_error, 0.0);
-  build_blocks(depth, camera, options_, sensor, grid);
-  const double noise = noise_level(grid);
-  const auto tolerance = [&](double max_error, double flatness) {
-    return PlaneTolerance(camera, options_.lateral_sigma, noise * max_error, noise * flatness);
+  const int block_size = block_size_of(options_, depth.size());
+  const auto tolerance = [&](const PlaneTolerance::Limits& limits) {
+    return PlaneTolerance(camera, options_.lateral_sigma, block_size * block_size, limits);
   };
-  const PlaneTolerance flat = tolerance(options_.max_error, 0.0);
-  const PlaneTolerance coplanar = tolerance(options_.max_error, options_.flatness);
-  const PlaneTolerance warped = tolerance(options_.max_warp_error, options_.flatness);
-  const PlaneTolerance step = tolerance(options_.max_step, 0.0);
+  const PlaneTolerance sensor = tolerance({options_.max_error});
+  build_blocks(depth, camera, options_, sensor, grid);
+  const DepthErrors errors = measure_depth_errors(grid, sensor);
+  const double noise = errors.noise;
+  const double bend = std::min(1.0, errors.waviness / noise);
+  const PlaneTolerance flat = tolerance({noise * options_.max_error, 0.0, bend});
+  const PlaneTolerance coplanar = tolerance({noise * options_.max_error, noise * options_.flatness, bend});
+  const PlaneTolerance warped = tolerance({noise * options_.max_warp_error, noise * options_.flatness});
+  const PlaneTolerance step = tolerance({bend * noise * options_.max_step});
   constexpr double kPart = 0.2;  // of the smallest plane: what may still become one by being joined to others
   BlockClusters clusters = cluster_blocks(grid, flat, kPart * min_support, kMaxRegions);
   merge_continuous(grid, warped, step, clusters);
@@ -152,9 +160,11 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   relabel(rank(regions, min_support), patches, labels.labels);
 
   PlaneExtraction result;
+  const double warp_side = options_.warp_blocks * block_size;
+  const double warp_area = warp_side * warp_side;
   const std::vector<PlaneScatter> scatters = scatter_of_regions(patches, regions);
   for (std::size_t i = 0; i < regions.size(); ++i) {
-    result.planes.push_back(make_feature(regions[i], scatters[i], noise, options_));
+    result.planes.push_back(make_feature(regions[i], scatters[i], errors.warp, warp_area, options_));
   }
   add_hulls(labels.labels, grid, result.planes);
   result.labels = labels.labels.clone();

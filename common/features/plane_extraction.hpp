@@ -11,8 +11,8 @@
 namespace eg::features {
 
 /// Errors along the depth axis are in standard deviations of one reading (geometry::depth_sigma), so one set of values
-/// serves near and far surfaces; all of them shrink if the frame has less noise than that (noise_level in
-/// plane_blocks.hpp).
+/// serves near and far surfaces; all of them shrink if the frame has smaller errors than that (DepthErrors in
+/// plane_noise.hpp).
 struct PlaneOptions {
   int block_size = 0;               ///< pixels; 0: 10 for 640x480 and in proportion for other sizes
   double min_valid_fraction = 0.5;  ///< of a block's pixels that need a reading
@@ -23,8 +23,11 @@ struct PlaneOptions {
   double max_growth_error = 3.0;    ///< largest error of a pixel that joins a region, in the region's rms errors
   double lateral_sigma = 0.8;       ///< pixels; noise sideways, depth noise on steep surfaces (Nguyen 2012: 0.8 to 0.9)
   double min_support_fraction = 0.01;  ///< of the image's pixels: the smallest plane that is reported
-  double systematic_angle = 0.005;     ///< radians; what the sensor's warp and calibration leave in a normal, one sigma
-  double systematic_distance = 0.003;  ///< relative; what they leave in a distance, one sigma
+  double warp_blocks = 24.0;           ///< side of the area, in blocks, that shares one error of the sensor's warp
+  double systematic_angle =
+      0.002;  ///< radians; what the calibration of a sensor with warp leaves in a normal, one sigma
+  double systematic_distance = 0.003;  ///< relative; what it leaves in a distance, one sigma
+  double rounding = 3e-5;  ///< relative, and radians; what depth in whole units of a fraction of a millimetre leaves
 };
 
 /// Says which option is out of range.

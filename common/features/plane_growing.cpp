@@ -16,30 +16,19 @@ void for_each_neighbour(const BlockGrid& grid, int column, int row, Visit visit)
   if (row + 1 < grid.rows) visit(block + grid.columns);
 }
 
-/// Blocks that do not touch another region. A region that would vanish keeps its blocks.
+/// Blocks that do not touch another region. A region without any is a bevel between its neighbours, one block wide,
+/// where blocks hold pixels of both: it vanishes, and its pixels go to whom they belong.
 std::vector<int> erode(const BlockGrid& grid, const BlockClusters& clusters) {
   std::vector<int> seeds(clusters.region_of_block);
-  std::vector<bool> survives(clusters.regions.size(), false);
   const auto region_of = [&](int block) { return clusters.region_of_block[static_cast<std::size_t>(block)]; };
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       const int block = row * grid.columns + column;
-      const int region = region_of(block);
-      if (region < 0) continue;
-      bool touches_another = false;
       for_each_neighbour(grid, column, row, [&](int other) {
-        touches_another = touches_another || (region_of(other) >= 0 && region_of(other) != region);
+        const bool touches_another = region_of(other) >= 0 && region_of(other) != region_of(block);
+        if (touches_another) seeds[static_cast<std::size_t>(block)] = -1;
       });
-      if (touches_another) {
-        seeds[static_cast<std::size_t>(block)] = -1;
-      } else {
-        survives[static_cast<std::size_t>(region)] = true;
-      }
     }
-  }
-  for (std::size_t block = 0; block < seeds.size(); ++block) {
-    const int region = clusters.region_of_block[block];
-    if (region >= 0 && !survives[static_cast<std::size_t>(region)]) seeds[block] = region;
   }
   return seeds;
 }

@@ -53,6 +53,13 @@ std::vector<Contact> find_contacts(const BlockGrid& grid, const std::vector<int>
   return contacts;
 }
 
+/// Whether the mean of `count` steps is within the limit, by the steps' sum. The fewer they are, the more of it is
+/// noise: that of a block's plane halfway to its neighbour is three times that of its mean.
+bool is_continuous(double sum, int count) {
+  constexpr double kOfOneContact = 12.0;
+  return std::abs(sum) <= count * std::sqrt(1.0 + kOfOneContact / count);
+}
+
 /// The pair of touching regions whose union has the smallest error, among those that may be joined; {-1, -1}: none.
 std::pair<int, int> best_pair(const std::vector<Contact>& contacts, const std::vector<PlaneRegion>& regions,
                               const PlaneTolerance& tolerance) {
@@ -66,9 +73,9 @@ std::pair<int, int> best_pair(const std::vector<Contact>& contacts, const std::v
   std::pair<int, int> best{-1, -1};
   double best_error = 0;
   for (const auto& [pair, step] : steps) {
-    if (step.second < kFewestContacts || std::abs(step.first) > step.second) continue;
-    const auto fit = fit_union(regions[static_cast<std::size_t>(pair.first)].moments,
-                               regions[static_cast<std::size_t>(pair.second)].moments, tolerance);
+    if (step.second < kFewestContacts || !is_continuous(step.first, step.second)) continue;
+    const auto fit = fit_union(regions[static_cast<std::size_t>(pair.first)],
+                               regions[static_cast<std::size_t>(pair.second)], tolerance);
     if (fit && (best.first < 0 || fit->mean_squared_error < best_error)) {
       best = pair;
       best_error = fit->mean_squared_error;
@@ -112,7 +119,7 @@ int coplanar_partner(const std::vector<PlaneRegion>& regions, std::size_t region
   for (std::size_t i = 0; i < region; ++i) {
     const bool merged_away = new_index[i] != static_cast<int>(i);
     if (merged_away || table.touch(i, region)) continue;
-    const auto fit = fit_union(regions[i].moments, regions[region].moments, tolerance);
+    const auto fit = fit_union(regions[i], regions[region], tolerance);
     if (fit && (best < 0 || fit->mean_squared_error < best_error)) {
       best = static_cast<int>(i);
       best_error = fit->mean_squared_error;

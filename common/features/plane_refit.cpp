@@ -8,12 +8,15 @@
 namespace eg::features {
 namespace {
 
+constexpr int kClusterBlocks =
+    3;  // on a side of a cluster: disparity in whole steps correlates errors over some blocks
+
 /// Splits the pixels of one block by label.
 class BlockSplitter {
  public:
   explicit BlockSplitter(const BlockGrid& grid) : grid_(grid) {}
 
-  void split(const cv::Rect& block, const cv::Mat& labels, std::vector<RegionPatch>& patches) {
+  void split(const cv::Rect& block, int cluster, const cv::Mat& labels, std::vector<RegionPatch>& patches) {
     for (int v = block.y; v < block.y + block.height; ++v) {
       const auto* label = labels.ptr<std::uint8_t>(v);
       const auto* w = grid_.inverse_depth.ptr<float>(v);
@@ -24,6 +27,7 @@ class BlockSplitter {
     for (std::size_t i = patches.size() - used_; i < patches.size(); ++i) {
       weight_by_noise(patches[i].moments);
       patches[i].fitted = used_ == 1;
+      patches[i].cluster = cluster;
     }
     used_ = 0;
   }
@@ -38,7 +42,7 @@ class BlockSplitter {
       if (patches[i].region == region) return patches[i];
     }
     ++used_;
-    return patches.emplace_back(RegionPatch{region, {}, true});
+    return patches.emplace_back(RegionPatch{region, {}, true, 0});
   }
 
   const BlockGrid& grid_;
@@ -55,7 +59,7 @@ std::vector<PlaneRegion> fit_regions(const std::vector<RegionPatch>& patches, st
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (!fit_plane(regions[i].moments).valid) regions[i].moments += others[i];
-    regions[i].plane = fit_plane(regions[i].moments).plane;
+    regions[i].fit();
   }
   return regions;
 }
@@ -91,13 +95,15 @@ void trim(const std::vector<PlaneRegion>& regions, std::vector<RegionPatch>& pat
 void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vector<RegionPatch>& patches) {
   patches.clear();
   BlockSplitter splitter(grid);
+  const int clusters_per_row = (grid.columns + kClusterBlocks - 1) / kClusterBlocks;
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       const auto block = static_cast<std::size_t>(row * grid.columns + column);
+      const int cluster = row / kClusterBlocks * clusters_per_row + column / kClusterBlocks;
       if (labels.seed_of_block[block] >= 0) {
-        patches.push_back({labels.seed_of_block[block], grid.moments[block], true});
+        patches.push_back({labels.seed_of_block[block], grid.moments[block], true, cluster});
       } else {
-        splitter.split(grid.pixels_of(column, row), labels.labels, patches);
+        splitter.split(grid.pixels_of(column, row), cluster, labels.labels, patches);
       }
     }
   }
@@ -116,15 +122,23 @@ std::vector<PlaneRegion> refit_regions(std::vector<RegionPatch>& patches, int co
 std::vector<PlaneScatter> scatter_of_regions(const std::vector<RegionPatch>& patches,
                                              const std::vector<PlaneRegion>& regions) {
   std::vector<PlaneScatter> scatters(regions.size());
+  std::vector<std::vector<Eigen::Vector3d>> scores(regions.size());  // by cluster
   for (const RegionPatch& patch : patches) {
     if (patch.region < 0) continue;
-    PlaneScatter& scatter = scatters[static_cast<std::size_t>(patch.region)];
+    const auto region = static_cast<std::size_t>(patch.region);
+    const auto cluster = static_cast<std::size_t>(patch.cluster);
     const PlaneMoments& m = patch.moments;
-    scatter.point_sum += m.pixels * Eigen::Vector3d(m.a, m.b, m.weight) / m.w;
+    scatters[region].point_sum += m.pixels * Eigen::Vector3d(m.a, m.b, m.weight) / m.w;
     if (!patch.fitted) continue;
-    const Eigen::Vector3d score = m.score(regions[static_cast<std::size_t>(patch.region)].plane);
-    scatter.clusters += 1;
-    scatter.scores += score * score.transpose();
+    if (cluster >= scores[region].size()) scores[region].resize(cluster + 1, Eigen::Vector3d::Zero());
+    scores[region][cluster] += m.score(regions[region].plane);
+  }
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    for (const Eigen::Vector3d& score : scores[i]) {
+      if (score.isZero(0.0)) continue;
+      scatters[i].clusters += 1;
+      scatters[i].scores += score * score.transpose();
+    }
   }
   return scatters;
 }
@@ -138,6 +152,11 @@ Eigen::Matrix3d plane_covariance(const PlaneRegion& region, const PlaneScatter& 
   }
   const double degrees_of_freedom = scatter.clusters - 3;
   return inverse * scatter.scores * inverse * (scatter.clusters / degrees_of_freedom);
+}
+
+Eigen::Matrix3d warp_covariance(const PlaneRegion& region, double warp, double area) {
+  const double pixels_per_error = std::min(area, region.moments.pixels);
+  return region.moments.normal_matrix().inverse() * (warp * warp * pixels_per_error);
 }
 
 }  // namespace eg::features

@@ -12,6 +12,7 @@ struct RegionPatch {
   int region = 0;
   PlaneMoments moments;  ///< weighted by the sensor's noise
   bool fitted = true;    ///< whether the region's plane is fitted to it; else it only counts as support
+  int cluster = 0;       ///< which part of the image it is in: patches of one share errors
 };
 
 /// Every region's patches, block by block. Whole blocks reuse the block's moments; only blocks with a boundary are read
@@ -25,8 +26,8 @@ std::vector<PlaneRegion> refit_regions(std::vector<RegionPatch>& patches, int co
 
 /// Sums that the covariance of one region's plane is made of.
 struct PlaneScatter {
-  int clusters = 0;                                     ///< patches that the plane is fitted to
-  Eigen::Matrix3d scores = Eigen::Matrix3d::Zero();     ///< sum of score · scoreᵀ over those patches
+  int clusters = 0;                                     ///< parts of the image that the plane is fitted to
+  Eigen::Matrix3d scores = Eigen::Matrix3d::Zero();     ///< sum of score · scoreᵀ over those parts
   Eigen::Vector3d point_sum = Eigen::Vector3d::Zero();  ///< sum of the pixels' points, metres
 };
 
@@ -36,5 +37,9 @@ std::vector<PlaneScatter> scatter_of_regions(const std::vector<RegionPatch>& pat
 /// Covariance of a fitted inverse-depth plane that holds for noise of any size that is correlated over less than a
 /// block: the cluster-robust ("sandwich") estimate of Liang and Zeger, Biometrika 1986, with blocks as clusters.
 Eigen::Matrix3d plane_covariance(const PlaneRegion& region, const PlaneScatter& scatter);
+
+/// Covariance by errors of `warp` standard deviations that `area` pixels share, and that the scatter within the region
+/// does not show in full, because the fit takes their tilt for the plane's.
+Eigen::Matrix3d warp_covariance(const PlaneRegion& region, double warp, double area);
 
 }  // namespace eg::features

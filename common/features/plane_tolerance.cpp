@@ -2,15 +2,30 @@
 
 namespace eg::features {
 
-PlaneTolerance::PlaneTolerance(const geometry::CameraModel& camera, double lateral_sigma, double max_error,
-                               double flatness)
+PlaneTolerance::PlaneTolerance(const geometry::CameraModel& camera, double lateral_sigma, double block_pixels,
+                               const Limits& limits)
     : lateral_(lateral_sigma / camera.fx, lateral_sigma / camera.fy, 0.0),
-      max_squared_error_(max_error * max_error),
-      squared_flatness_(flatness * flatness) {}
+      block_pixels_(block_pixels),
+      max_squared_error_(limits.max_error * limits.max_error),
+      squared_flatness_(limits.flatness * limits.flatness),
+      squared_bend_(limits.bend * limits.bend) {}
 
 bool PlaneTolerance::accepts(const PlaneMoments& region, const InverseDepthPlane& plane) const {
+  return region.mean_squared_error(plane) <= limit(region, plane);
+}
+
+bool PlaneTolerance::accepts_union(const PlaneMoments& region, double own_error, const InverseDepthPlane& plane) const {
+  const double error = region.mean_squared_error(plane);
+  const double largest = limit(region, plane);
+  if (error > largest) return false;
+  // The own plane of a small region follows its noise, by three degrees of freedom: allow three standard deviations.
+  constexpr double kOfOneBlock = 12.0;
+  return error - own_error <= squared_bend_ * largest * (1.0 + kOfOneBlock * block_pixels_ / region.pixels);
+}
+
+double PlaneTolerance::limit(const PlaneMoments& region, const InverseDepthPlane& plane) const {
   const double precision = region.weight / region.pixels;  // 1/variance of one reading's noise along the ray
-  return region.mean_squared_error(plane) <= precision * limit(1.0 / precision, region.w / region.weight, plane);
+  return precision * limit(1.0 / precision, region.w / region.weight, plane);
 }
 
 double PlaneTolerance::squared_limit(double inverse_depth, const InverseDepthPlane& plane) const {

@@ -17,11 +17,22 @@ inline double inverse_depth_sigma(double inverse_depth) {
 /// which matters on steep surfaces, and what walls and the sensor's warp deviate from a plane.
 class PlaneTolerance {
  public:
-  /// `max_error` in standard deviations of a reading, rms; `lateral_sigma` in pixels; `flatness` in metres.
-  PlaneTolerance(const geometry::CameraModel& camera, double lateral_sigma, double max_error, double flatness);
+  struct Limits {
+    double max_error = 1.0;  ///< standard deviations of a reading, rms
+    double flatness = 0.0;   ///< metres
+    double bend = 1.0;       ///< share of the two that the shape of a surface, and not its noise, may take up
+  };
+
+  /// `lateral_sigma` in pixels; `block_pixels`: how many pixels the smallest region has.
+  PlaneTolerance(const geometry::CameraModel& camera, double lateral_sigma, double block_pixels, const Limits& limits);
 
   /// Whether a region is on `plane`, as a whole.
   [[nodiscard]] bool accepts(const PlaneMoments& region, const InverseDepthPlane& plane) const;
+
+  /// Whether a region whose own plane has the mean squared error `own_error` is also on the plane of a union. What the
+  /// union's plane adds to the error is the distance between the two planes, squared, and free of noise: it tells apart
+  /// what is nearer to each other than the noise of one reading.
+  [[nodiscard]] bool accepts_union(const PlaneMoments& region, double own_error, const InverseDepthPlane& plane) const;
 
   /// The largest squared error in units of inverse depth at a place on `plane`.
   [[nodiscard]] double squared_limit(double inverse_depth, const InverseDepthPlane& plane) const;
@@ -35,9 +46,14 @@ class PlaneTolerance {
   /// squared_limit() for a given variance of the noise along the ray.
   [[nodiscard]] double limit(double variance, double inverse_depth, const InverseDepthPlane& plane) const;
 
+  /// The largest mean squared error of a region, in the region's weights.
+  [[nodiscard]] double limit(const PlaneMoments& region, const InverseDepthPlane& plane) const;
+
   Eigen::Vector3d lateral_;  ///< noise sideways, on the axes of the ray
+  double block_pixels_;
   double max_squared_error_;
   double squared_flatness_;
+  double squared_bend_;
 };
 
 }  // namespace eg::features

@@ -55,15 +55,20 @@ std::vector<Eigen::Vector3d> painted_directions(const synthetic::Scene& scene, c
 
 }  // namespace
 
-FrameTruth frame_truth(const synthetic::SyntheticSequence& sequence, const SceneStructure& structure, int index) {
+FrameTruth frame_truth(const synthetic::SyntheticSequence& sequence, const SceneStructure& structure, int index,
+                       const cv::Mat& depth) {
   const synthetic::Rendering rendering = sequence.render(index);
   const geometry::Pose world_from_camera = sequence.world_from_camera(index);
   const geometry::Pose camera_from_world = world_from_camera.inverse();
   const geometry::CameraModel& camera = sequence.options().camera;
   FrameTruth truth;
-  truth.plane_pixels = synthetic::visible_pixels(structure, rendering);
   truth.plane_of_pixel =
       plane_of_pixel(rendering.surface, plane_of_surface(structure, sequence.scene().surfaces.size()));
+  truth.plane_of_pixel.setTo(-1, depth <= 0.0F);
+  truth.plane_pixels.assign(structure.planes.size(), 0);
+  for (const auto plane : cv::Mat_<std::int16_t>(truth.plane_of_pixel)) {
+    if (plane >= 0) ++truth.plane_pixels[static_cast<std::size_t>(plane)];
+  }
   for (const synthetic::TruePlane& plane : structure.planes) {
     truth.planes.push_back(geometry::transform(camera_from_world, plane.plane));
   }

@@ -1,7 +1,7 @@
 #include "services/features_eval/synthetic_evaluation.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <ostream>
@@ -22,7 +22,9 @@ using features::FrameFeatures;
 
 constexpr double kLargePlane = 0.05;  // of the image
 constexpr double kMajority = 0.5;     // of pixels
-constexpr double kNearest = 1.0;      // metres: the range in which plane normals are judged
+constexpr double kSameAngle = 1.0 * std::numbers::pi / 180.0;
+constexpr double kSameDistance = 0.01;  // metres
+constexpr double kNearest = 1.0;        // metres: the range in which plane normals are judged
 constexpr double kFarthest = 4.0;
 constexpr double kFalseAngle = 2.0 * std::numbers::pi / 180.0;  // from every true direction
 
@@ -51,6 +53,12 @@ cv::Mat1i overlaps(const cv::Mat& labels, const FrameTruth& truth, std::size_t f
   return counts;
 }
 
+/// Whether a found plane passes for a true one: a door 4 mm behind its wall may be found as a part of it.
+bool agree(const geometry::Plane& found, const geometry::Plane& expected) {
+  return geometry::axial_angle(found.normal, expected.normal) < kSameAngle &&
+         std::abs(found.distance - expected.distance) < kSameDistance;
+}
+
 void judge_planes(const FrameFeatures& features, const cv::Mat& labels, const FrameTruth& truth,
                   SyntheticScores& scores) {
   if (truth.planes.empty()) return;
@@ -64,8 +72,10 @@ void judge_planes(const FrameFeatures& features, const cv::Mat& labels, const Fr
       ++scores.false_planes;
       continue;
     }
-    covered[best] = std::max(covered[best], row[best]);
     const geometry::Plane& expected = truth.planes[best];
+    for (std::size_t k = 0; k < covered.size(); ++k) {
+      if (agree(plane.plane, truth.planes[k])) covered[k] = std::max(covered[k], row[k]);
+    }
     const bool judged = plane.centroid.z() >= kNearest && plane.centroid.z() <= kFarthest &&
                         plane.support >= kLargePlane * static_cast<double>(labels.total());
     if (!judged) continue;
@@ -129,8 +139,9 @@ base::Status evaluate_synthetic(const SyntheticEvaluationOptions& options, std::
   SyntheticScores scores;
   for (int i = 0; i < options.frames; ++i) {
     const int index = static_cast<int>(static_cast<std::int64_t>(i) * sequence->size() / options.frames);
-    const FrameTruth truth = frame_truth(*sequence, structure, index);
-    const FrameFeatures features = extractor.extract(rectifier.rectify(sequence->frame(index)));
+    const image::RectifiedFrame frame = rectifier.rectify(sequence->frame(index));
+    const FrameTruth truth = frame_truth(*sequence, structure, index, frame.depth);
+    const FrameFeatures features = extractor.extract(frame);
     judge_planes(features, extractor.plane_labels(), truth, scores);
     judge_directions(features, truth, scores);
   }

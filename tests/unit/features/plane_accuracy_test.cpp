@@ -95,6 +95,7 @@ class RandomRooms : public testing::TestWithParam<Noise> {
     PlaneOptions options;
     options.systematic_angle = 0.0;
     options.systematic_distance = 0.0;
+    options.rounding = 0.0;
     PlaneExtractor extractor(options);
     base::Random random(7);
     Statistics statistics;
