@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 
 #include "common/procman/guardian.hpp"
@@ -74,6 +75,7 @@ int main(int argc, char** argv) {
 
   std::signal(SIGPIPE, SIG_IGN);  // whoever reads this process's output may go first
   procman::put_own_folder_on_path();
+  setenv("EGRAPH_LCM_URL", line.lcm_url.c_str(), 1);  // where its commands meet, unless they say otherwise
   const pid_t own_pid = getpid();
   return procman::run_guarded([&] { return run(line, own_pid); });
 }
