@@ -8,11 +8,6 @@ namespace {
 
 using geometry::Pose;
 
-/// Error (pixels) with which a segment's detector places its end points across the segment.
-constexpr double kLinePixelSigma = 1.0;
-/// What calibration and warped depth leave between two views of one plane (metres).
-constexpr double kPlaneHeightFloor = 0.003;
-
 /// Variance in the image (pixels²) that the covariance of a point makes at its place.
 double image_variance(const Eigen::Matrix3d& covariance_in_camera, double depth, const geometry::CameraModel& camera) {
   const double lateral = 0.5 * (covariance_in_camera(0, 0) + covariance_in_camera(1, 1));
@@ -20,6 +15,11 @@ double image_variance(const Eigen::Matrix3d& covariance_in_camera, double depth,
 }
 
 }  // namespace
+
+Eigen::Vector3d image_line(const features::LineFeature& line) {
+  const Eigen::Vector3d crossing = line.start_pixel.homogeneous().cross(line.end_pixel.homogeneous());
+  return crossing / crossing.head<2>().norm();
+}
 
 std::vector<PointFactor> point_factors(const features::FrameFeatures& frame, const Map& map,
                                        std::span<const PointMatch> matches, const Pose& camera_from_world) {
@@ -54,8 +54,7 @@ std::vector<LineFactor> line_factors(const features::FrameFeatures& frame, const
                                        (line.start_covariance + line.end_covariance) *
                                        camera_from_world.rotation.transpose();
     const double depth = std::max(0.1, (camera_from_world * (0.5 * (line.start + line.end))).z());
-    const Eigen::Vector3d crossing = feature.start_pixel.homogeneous().cross(feature.end_pixel.homogeneous());
-    factors.push_back({line.start, line.end, crossing / crossing.head<2>().norm(),
+    factors.push_back({line.start, line.end, image_line(feature),
                        std::sqrt(kLinePixelSigma * kLinePixelSigma + image_variance(covariance, depth, frame.camera))});
   }
   return factors;

@@ -9,6 +9,14 @@
 
 namespace eg::tracking {
 
+/// Error (pixels) with which a segment's detector places its end points across the segment.
+inline constexpr double kLinePixelSigma = 1.0;
+/// What calibration and warped depth leave between two views of one plane (metres).
+inline constexpr double kPlaneHeightFloor = 0.003;
+
+/// The image line through a segment: a u + b v + c = 0 in pixels, a² + b² = 1.
+Eigen::Vector3d image_line(const features::LineFeature& line);
+
 /// The factors of matched points, with the uncertainty of the map added to that of the measurement.
 std::vector<PointFactor> point_factors(const features::FrameFeatures& frame, const Map& map,
                                        std::span<const PointMatch> matches, const geometry::Pose& camera_from_world);

@@ -70,6 +70,15 @@ Eigen::Vector3d closest_on_line(const Eigen::Vector3d& a, const Eigen::Vector3d&
   return a + direction.dot(point - a) * direction;
 }
 
+template <typename MapId>
+void note_observers(std::span<const Match<MapId>> matches, KeyframeId keyframe, std::size_t landmarks,
+                    std::vector<std::vector<Observer>>& observers) {
+  observers.resize(landmarks);
+  for (const Match<MapId>& match : matches) {
+    observers[static_cast<std::size_t>(match.id.value)].push_back({keyframe, match.feature});
+  }
+}
+
 template <typename T>
 void cull(T& feature) {
   if (feature.visibility.expected >= kMinExpected &&
@@ -80,15 +89,16 @@ void cull(T& feature) {
 
 }  // namespace
 
-KeyframeId Map::add_keyframe(const FrameFeatures& features, const Pose& world_from_camera, const Matches& matches) {
+KeyframeId Map::add_keyframe(const FrameFeatures& features, const Pose& world_from_camera, const Matches& matches,
+                             std::span<const egraph::Association> directions) {
   const KeyframeId id{static_cast<std::int32_t>(keyframes_.size())};
-  keyframes_.push_back({id, features, world_from_camera, matches});
+  keyframes_.push_back({id, features, world_from_camera, matches, {directions.begin(), directions.end()}});
   add_points(keyframes_.back());
   add_lines(keyframes_.back());
   add_planes(keyframes_.back());
-  for (const PointMatch& match : keyframes_.back().matches.points) point_observers_[match.id].push_back(id);
-  for (const LineMatch& match : keyframes_.back().matches.lines) line_observers_[match.id].push_back(id);
-  for (const PlaneMatch& match : keyframes_.back().matches.planes) plane_observers_[match.id].push_back(id);
+  note_observers<PointId>(keyframes_.back().matches.points, id, points_.size(), point_observers_);
+  note_observers<LineId>(keyframes_.back().matches.lines, id, lines_.size(), line_observers_);
+  note_observers<PlaneId>(keyframes_.back().matches.planes, id, planes_.size(), plane_observers_);
   return id;
 }
 
@@ -235,7 +245,7 @@ std::vector<egraph::Covisibility> Map::covisible(KeyframeId id) const {
   const Matches& matches = keyframe(id).matches;
   const auto count = [&](const auto& observers, const auto& list) {
     for (const auto& match : list) {
-      for (const KeyframeId other : observers.at(match.id)) ++shared[other];
+      for (const Observer& other : observers[static_cast<std::size_t>(match.id.value)]) ++shared[other.keyframe];
     }
   };
   count(point_observers_, matches.points);
@@ -251,6 +261,21 @@ std::vector<egraph::Covisibility> Map::covisible(KeyframeId id) const {
 
 void Map::move_keyframe(KeyframeId id, const Pose& world_from_camera) {
   keyframes_[static_cast<std::size_t>(id.value)].world_from_camera = world_from_camera;
+}
+void Map::move_keyframe_and_what_it_alone_saw(KeyframeId id, const Pose& world_from_camera) {
+  const MapKeyframe& keyframe = this->keyframe(id);
+  const Pose step = world_from_camera * keyframe.world_from_camera.inverse();
+  for (const PointMatch& match : keyframe.matches.points) {
+    if (observers(match.id).size() == 1) move_point(match.id, step * point(match.id).position);
+  }
+  for (const LineMatch& match : keyframe.matches.lines) {
+    if (observers(match.id).size() == 1) move_line(match.id, step * line(match.id).start, step * line(match.id).end);
+  }
+  for (const PlaneMatch& match : keyframe.matches.planes) {
+    if (observers(match.id).size() == 1)
+      move_plane(match.id, geometry::transform(step, plane(match.id).estimate.plane));
+  }
+  move_keyframe(id, world_from_camera);
 }
 void Map::move_point(PointId id, const Eigen::Vector3d& position) {
   points_[static_cast<std::size_t>(id.value)].position = position;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/egraph/association.hpp"
 #include "common/egraph/types.hpp"
 #include "common/features/features.hpp"
 #include "common/geometry/plane.hpp"
@@ -88,6 +89,13 @@ struct MapKeyframe {
   features::FrameFeatures features;
   geometry::Pose world_from_camera;
   Matches matches;
+  std::vector<egraph::Association> directions;  ///< of features.directions: the landmarks of the graph that they show
+};
+
+/// A keyframe that saw a landmark, and as which of its features.
+struct Observer {
+  KeyframeId keyframe;
+  std::int32_t feature = -1;
 };
 
 /// The sparse map: points, lines and planes with covariances, and the keyframes that saw them. Ids index the arrays;
@@ -97,7 +105,7 @@ class Map {
   /// Adds a keyframe: its matches fuse into what they matched, its other features that have depth become new map
   /// features.
   KeyframeId add_keyframe(const features::FrameFeatures& features, const geometry::Pose& world_from_camera,
-                          const Matches& matches);
+                          const Matches& matches, std::span<const egraph::Association> directions = {});
 
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
   [[nodiscard]] std::span<const MapLine> lines() const { return lines_; }
@@ -110,6 +118,17 @@ class Map {
     return keyframes_[static_cast<std::size_t>(id.value)];
   }
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
+
+  /// Who saw a landmark, oldest keyframe first.
+  [[nodiscard]] std::span<const Observer> observers(PointId id) const {
+    return point_observers_[static_cast<std::size_t>(id.value)];
+  }
+  [[nodiscard]] std::span<const Observer> observers(LineId id) const {
+    return line_observers_[static_cast<std::size_t>(id.value)];
+  }
+  [[nodiscard]] std::span<const Observer> observers(PlaneId id) const {
+    return plane_observers_[static_cast<std::size_t>(id.value)];
+  }
 
   /// Living points and lines near the camera's viewing frustum, by id. The time it takes does not grow with the map.
   [[nodiscard]] std::vector<PointId> points_near(const geometry::CameraModel& camera,
@@ -127,6 +146,7 @@ class Map {
 
   // For optimisers: new values for what is there.
   void move_keyframe(KeyframeId id, const geometry::Pose& world_from_camera);
+  void move_keyframe_and_what_it_alone_saw(KeyframeId id, const geometry::Pose& world_from_camera);
   void move_point(PointId id, const Eigen::Vector3d& position);
   void move_line(LineId id, const Eigen::Vector3d& start, const Eigen::Vector3d& end);
   void move_plane(PlaneId id, const geometry::Plane& plane);
@@ -145,11 +165,11 @@ class Map {
   std::vector<MapLine> lines_;
   std::vector<MapPlane> planes_;
   std::vector<MapKeyframe> keyframes_;
-  std::map<Cell, std::vector<PointId>> point_cells_;  ///< where each point was made; it moves less than a cell
-  std::map<Cell, std::vector<LineId>> line_cells_;    ///< by middle point
-  std::map<PointId, std::vector<KeyframeId>> point_observers_;
-  std::map<LineId, std::vector<KeyframeId>> line_observers_;
-  std::map<PlaneId, std::vector<KeyframeId>> plane_observers_;
+  std::map<Cell, std::vector<PointId>> point_cells_;    ///< where each point was made; it moves less than a cell
+  std::map<Cell, std::vector<LineId>> line_cells_;      ///< by middle point
+  std::vector<std::vector<Observer>> point_observers_;  ///< one list per point, by id
+  std::vector<std::vector<Observer>> line_observers_;
+  std::vector<std::vector<Observer>> plane_observers_;
 };
 
 }  // namespace eg::tracking

@@ -26,6 +26,9 @@ class MotionModel {
   /// `translation_measured`: without it there is no velocity either; the camera is expected to stay.
   void update(std::int64_t utime, const geometry::Pose& camera_from_world, bool translation_measured);
 
+  /// Puts the last pose elsewhere (the map was corrected under it) and keeps the velocity.
+  void correct(const geometry::Pose& camera_from_world) { camera_from_world_ = camera_from_world; }
+
   /// Forgets the velocity (first frame, relocalisation).
   void reset(std::int64_t utime, const geometry::Pose& camera_from_world);
 

@@ -61,12 +61,10 @@ NormalEquations linearize_measurements(const PoseProblem& problem, const geometr
 }
 
 void add_prior(const MotionPrior& prior, const geometry::Pose& pose, NormalEquations& equations) {
-  Vector6d residual;
-  residual << geometry::so3_log(pose.rotation * prior.camera_from_world.rotation.transpose()) / prior.rotation_sigma,
-      (pose.translation - prior.camera_from_world.translation) / prior.translation_sigma;
   Vector6d information;
   information << Eigen::Vector3d::Constant(1.0 / prior.rotation_sigma),
       Eigen::Vector3d::Constant(1.0 / prior.translation_sigma);
+  const Vector6d residual = information.cwiseProduct(pose_difference(prior.camera_from_world, pose));
   equations.hessian += information.cwiseAbs2().asDiagonal();
   equations.gradient += information.cwiseProduct(residual);
   equations.cost += residual.squaredNorm();

@@ -91,6 +91,9 @@ PoseSolution optimize_pose(const PoseProblem& problem, const geometry::Pose& ini
 /// T ← exp(δ) T for δ = (rotation, translation): the perturbation that all Jacobians here refer to.
 geometry::Pose perturb(const geometry::Pose& camera_from_world, const Vector6d& delta);
 
+/// The δ that leads from one pose to the other: its translation is the way of the camera's centre, in the camera frame.
+Vector6d pose_difference(const geometry::Pose& from, const geometry::Pose& to);
+
 // Residuals in units of their standard deviations and Jacobians with respect to δ. Public for the numeric checks.
 struct PointResidual {
   Eigen::Vector2d pixel;

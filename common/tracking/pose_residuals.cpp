@@ -34,6 +34,13 @@ geometry::Pose perturb(const geometry::Pose& camera_from_world, const Vector6d& 
   return {rotation * camera_from_world.rotation, rotation * camera_from_world.translation + delta.tail<3>()};
 }
 
+Vector6d pose_difference(const geometry::Pose& from, const geometry::Pose& to) {
+  const geometry::Pose step = to * from.inverse();
+  Vector6d delta;
+  delta << geometry::so3_log(step.rotation), step.translation;
+  return delta;
+}
+
 PointResidual point_residual(const PointFactor& factor, const geometry::CameraModel& camera,
                              const geometry::Pose& pose) {
   PointResidual at;

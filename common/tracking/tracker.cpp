@@ -25,6 +25,22 @@ std::vector<Match> only(const std::vector<Match>& matches, const std::vector<boo
   return kept;
 }
 
+/// The frame as a keyframe of the E-Graph.
+egraph::Keyframe announcement(const FrameFeatures& features, const PoseEstimate& estimate) {
+  egraph::Keyframe keyframe;
+  keyframe.header = features.header;
+  keyframe.id = estimate.keyframe;
+  keyframe.world_from_camera = estimate.world_from_camera;
+  keyframe.covariance = estimate.covariance;
+  keyframe.directions = features.directions;
+  for (const features::DirectionFeature& direction : keyframe.directions) {
+    const bool is_plane = direction.kind == egraph::DirectionKind::plane_normal;
+    keyframe.plane_distances.push_back(
+        is_plane ? features.planes[static_cast<std::size_t>(direction.source)].plane.distance : NAN);
+  }
+  return keyframe;
+}
+
 }  // namespace
 
 struct Tracker::Frame {
@@ -44,6 +60,11 @@ struct Tracker::Frame {
 Tracker::Tracker(TrackerOptions options) : options_(options), motion_(options.motion), policy_(options.keyframes) {}
 
 TrackResult Tracker::track(const FrameFeatures& features) {
+  if (options_.parts.lines && options_.parts.planes) return track_parts(features);
+  return track_parts(without_missing(features, options_.parts));
+}
+
+TrackResult Tracker::track_parts(const FrameFeatures& features) {
   if (features.header.utime <= last_utime_) return refuse(features, "time stamp is not later than the last frame's");
   last_utime_ = features.header.utime;
   if (map_.empty()) return initialise(features);
@@ -83,6 +104,7 @@ TrackResult Tracker::initialise(const FrameFeatures& features) {
 }
 
 void Tracker::follow_graph_rotation(Frame& frame) const {
+  if (!options_.parts.egraph) return;
   const Pose& predicted = frame.prediction.camera_from_world;
   GraphRotation found = estimate_rotation_from_graph(frame.features, graph_, predicted.rotation,
                                                      frame.prediction.rotation_sigma, options_.rotation);
@@ -128,7 +150,10 @@ void Tracker::estimate_translation_with_rotation_fixed(Frame& frame) const {
 
 void Tracker::refine_against_map(Frame& frame) const {
   match_and_build_problem(frame, options_.refined_search_radius);
-  frame.solution = optimize_pose(frame.problem, frame.camera_from_world, FreeParameters::pose, options_.optimizer);
+  const bool rotation_is_final = frame.rotation_from_graph && !options_.parts.refinement;
+  frame.solution =
+      optimize_pose(frame.problem, frame.camera_from_world,
+                    rotation_is_final ? FreeParameters::translation : FreeParameters::pose, options_.optimizer);
   frame.camera_from_world = frame.solution.camera_from_world;
   keep_inliers(frame);
 }
@@ -200,8 +225,7 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
   map_.count_visibility(visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world), {},
                         frame.matches);
   if (map_.empty() || policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame))) {
-    result.keyframe = add_keyframe(frame, estimate);
-    estimate.keyframe = result.keyframe->id;
+    add_keyframe(frame, result);
   }
   return result;
 }
@@ -242,21 +266,29 @@ int Tracker::features_of_last_keyframe(const Frame& frame) const {
   return static_cast<int>(found_points + found_lines);
 }
 
-egraph::Keyframe Tracker::add_keyframe(const Frame& frame, const PoseEstimate& estimate) {
-  egraph::Keyframe keyframe;
-  keyframe.header = frame.features.header;
-  keyframe.world_from_camera = estimate.world_from_camera;
-  keyframe.covariance = estimate.covariance;
-  keyframe.directions = frame.features.directions;
-  for (const features::DirectionFeature& direction : keyframe.directions) {
-    const bool is_plane = direction.kind == egraph::DirectionKind::plane_normal;
-    keyframe.plane_distances.push_back(
-        is_plane ? frame.features.planes[static_cast<std::size_t>(direction.source)].plane.distance : NAN);
-  }
-  keyframe.id = map_.add_keyframe(frame.features, estimate.world_from_camera, frame.matches);
-  keyframe.covisible = map_.covisible(keyframe.id);
+void Tracker::add_keyframe(Frame& frame, TrackResult& result) {
+  PoseEstimate& estimate = result.estimate;
+  estimate.keyframe = map_.add_keyframe(frame.features, estimate.world_from_camera, frame.matches, frame.associations);
   policy_.keyframe_added();
-  return keyframe;
+  if (options_.parts.local_bundle_adjustment) {
+    result.corrections = adjust_local_map();
+    estimate.world_from_camera = map_.keyframe(estimate.keyframe).world_from_camera;
+    motion_.correct(estimate.world_from_camera.inverse());
+  }
+  result.keyframe = announcement(frame.features, estimate);
+  result.keyframe->covisible = map_.covisible(estimate.keyframe);
+}
+
+std::vector<PoseCorrection::Entry> Tracker::adjust_local_map() {
+  const KeyframeId newest = map_.keyframes().back().id;
+  const BundleSolution solution =
+      adjust_bundle(map_, graph_, local_window(map_, newest, options_.bundle.window), options_.bundle);
+  apply(solution, map_);
+  std::vector<PoseCorrection::Entry> others;
+  for (const auto& [id, pose] : solution.world_from_camera) {
+    if (id != newest) others.push_back({id, pose});
+  }
+  return others;
 }
 
 }  // namespace eg::tracking

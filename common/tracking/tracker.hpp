@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/egraph/graph.hpp"
+#include "common/tracking/bundle_adjustment.hpp"
 #include "common/tracking/graph_rotation.hpp"
 #include "common/tracking/keyframe_policy.hpp"
 #include "common/tracking/map.hpp"
@@ -14,6 +15,7 @@
 #include "common/tracking/pose_estimate.hpp"
 #include "common/tracking/pose_optimizer.hpp"
 #include "common/tracking/relocaliser.hpp"
+#include "common/tracking/tracker_parts.hpp"
 #include "common/tracking/translation_solver.hpp"
 
 namespace eg::tracking {
@@ -27,6 +29,8 @@ struct TrackerOptions {
   MotionOptions motion;
   KeyframeOptions keyframes;
   RelocaliserOptions relocaliser;
+  BundleOptions bundle;
+  TrackerParts parts;
   int relocalisation_candidates = 4;         ///< keyframes tried per lost frame
   double max_translation_sigma = 0.05;       ///< metres: worse is `rotation_only`
   double max_rotation_sigma = 0.0175;        ///< radians (1°): worse is `lost`
@@ -38,7 +42,8 @@ struct TrackerOptions {
 /// What became of a frame.
 struct TrackResult {
   PoseEstimate estimate;
-  std::optional<egraph::Keyframe> keyframe;  ///< to announce, if the frame became one
+  std::optional<egraph::Keyframe> keyframe;        ///< to announce, if the frame became one
+  std::vector<PoseCorrection::Entry> corrections;  ///< of older keyframes, to announce
 };
 
 /// The tracker: rotation from the E-Graph, translation, frame-to-map refinement, keyframes and local map (paper,
@@ -58,6 +63,7 @@ class Tracker {
   /// Everything known about the frame being tracked.
   struct Frame;
 
+  TrackResult track_parts(const features::FrameFeatures& features);
   TrackResult initialise(const features::FrameFeatures& features);
   TrackResult recover(const features::FrameFeatures& features, const std::string& why);
   TrackResult finish(Frame& frame, TrackingState state, std::string reason);
@@ -72,7 +78,9 @@ class Tracker {
   [[nodiscard]] bool points_contradict(const Frame& frame) const;
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
   [[nodiscard]] int features_of_last_keyframe(const Frame& frame) const;
-  egraph::Keyframe add_keyframe(const Frame& frame, const PoseEstimate& estimate);
+  void add_keyframe(Frame& frame, TrackResult& result);
+  /// Local bundle adjustment around the newest keyframe. Returns the other keyframes that moved.
+  std::vector<PoseCorrection::Entry> adjust_local_map();
 
   TrackerOptions options_;
   egraph::Graph graph_;

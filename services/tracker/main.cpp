@@ -13,6 +13,15 @@ int main(int argc, char** argv) {
         .field("max_translation_sigma", options.max_translation_sigma, {1e-4, 10.0}, "metres; worse is rotation_only")
         .field("max_rotation_sigma", options.max_rotation_sigma, {1e-4, 3.2}, "radians; worse is lost")
         .field("relocalisation_candidates", options.relocalisation_candidates, {1, 1000}, "keyframes per lost frame");
+    section.section("parts", "parts of the method to leave out, to see what each is worth")
+        .field("egraph", options.parts.egraph, "rotation from the directions of the E-Graph")
+        .field("lines", options.parts.lines, "lines and their directions")
+        .field("planes", options.parts.planes, "planes and their normals")
+        .field("refinement", options.parts.refinement, "refinement of all six unknowns against the map")
+        .field("local_bundle_adjustment", options.parts.local_bundle_adjustment, "after every keyframe");
+    section.section("bundle", "local bundle adjustment")
+        .field("window", options.bundle.window, {1, 100}, "keyframes that may move")
+        .field("iterations", options.bundle.iterations, {1, 100}, "at most");
     section.section("keyframes", "when a frame becomes a keyframe")
         .field("max_frames", options.keyframes.max_frames, {1, 10000}, "frames since the last one")
         .field("min_frames", options.keyframes.min_frames, {1, 10000}, "frames between two at least")

@@ -97,13 +97,14 @@ void TrackerService::track_waiting_frames() {
 void TrackerService::track(const features::FrameFeatures& frame) {
   const auto start = std::chrono::steady_clock::now();
   context_.status().count_sequence(frame.header.session, frame.header.sequence);
-  const tracking::TrackResult result = tracker_.track(frame);
+  tracking::TrackResult result = tracker_.track(frame);
   next_sequence_ = frame.header.sequence + 1;
   record_.add(result.estimate, tracker_.map());
   if (result.keyframe) {
     unconfirmed_.push_back(*result.keyframe);
     context_.publish(messages::channels::kKeyframe, *result.keyframe);
   }
+  announce_corrections(std::move(result.corrections));
   answered_.emplace(frame.header.sequence, result.estimate);
   if (answered_.size() > kAnswersKept) answered_.erase(answered_.begin());
   answer(result.estimate);
@@ -114,6 +115,12 @@ void TrackerService::answer(const tracking::PoseEstimate& estimate) {
   context_.publish(messages::channels::kPose, estimate);
   context_.publish(messages::channels::kAcknowledge,
                    messages::Acknowledge{session_, estimate.header.sequence, context_.options().name});
+}
+
+void TrackerService::announce_corrections(std::vector<tracking::PoseCorrection::Entry> entries) {
+  if (entries.empty()) return;
+  context_.publish(messages::channels::kPoseCorrection,
+                   tracking::PoseCorrection{session_, ++correction_version_, std::move(entries)});
 }
 
 void TrackerService::idle(std::int64_t now_utime) {

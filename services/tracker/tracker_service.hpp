@@ -10,7 +10,7 @@
 
 namespace eg::services {
 
-/// FEATURES in; POSE and KEYFRAME out. Keeps its replica of the E-Graph by EGRAPH_UPDATE.
+/// FEATURES in; POSE, KEYFRAME and POSE_CORRECTION out. Keeps its replica of the E-Graph by EGRAPH_UPDATE.
 ///
 /// Lockstep: frames are tracked strictly in order, and after a keyframe the next frame waits for the server's update,
 /// so that the result does not depend on timing. A frame seen before is answered again, not tracked again. Real time:
@@ -34,6 +34,7 @@ class TrackerService : public service::Service {
   void track_waiting_frames();
   void track(const features::FrameFeatures& frame);
   void answer(const tracking::PoseEstimate& estimate);
+  void announce_corrections(std::vector<tracking::PoseCorrection::Entry> entries);
   void forget_confirmed_keyframes();
   [[nodiscard]] bool waits_for_graph() const;
 
@@ -46,6 +47,7 @@ class TrackerService : public service::Service {
   std::map<std::int64_t, tracking::PoseEstimate> answered_;  ///< recent ones, for frames that come again
   std::deque<egraph::Keyframe> unconfirmed_;                 ///< announced, no update yet
   std::int64_t last_announcement_utime_ = 0;
+  std::int64_t correction_version_ = 0;
 };
 
 }  // namespace eg::services
