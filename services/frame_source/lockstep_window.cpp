@@ -20,8 +20,10 @@ void LockstepWindow::add(SourceFrame frame, std::int64_t now_utime) {
 
 void LockstepWindow::acknowledge(const std::string& consumer, std::int64_t sequence, std::int64_t now_utime) {
   const auto known = acknowledged_.find(consumer);
-  // Nobody can be done with what was not sent: such a number would let the source run away.
-  if (known == acknowledged_.end() || in_flight_.empty() || sequence > header_of(in_flight_.back()).sequence) return;
+  if (known == acknowledged_.end() || in_flight_.empty()) return;
+  // A consumer may know more than this source has sent: from one before it, which was killed. That it is done with what
+  // is in flight is all that this says; what comes next needs an acknowledgement of its own.
+  sequence = std::min(sequence, header_of(in_flight_.back()).sequence);
   if (sequence <= known->second) return;
   known->second = sequence;
   last_progress_ = now_utime;

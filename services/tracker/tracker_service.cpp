@@ -46,7 +46,8 @@ void TrackerService::on_features(const features::FrameFeatures& frame) {
     answer(known->second);
     return;
   }
-  if (frame.header.sequence < next_sequence_ || waiting_.size() >= kMaxWaiting) return;
+  if (frame.header.sequence < next_sequence_) return acknowledge(frame.header.sequence);  // of a source started anew
+  if (waiting_.size() >= kMaxWaiting) return;
   waiting_.emplace(frame.header.sequence, frame);
   track_waiting_frames();
 }
@@ -113,8 +114,12 @@ void TrackerService::track(const features::FrameFeatures& frame) {
 
 void TrackerService::answer(const tracking::PoseEstimate& estimate) {
   context_.publish(messages::channels::kPose, estimate);
+  acknowledge(estimate.header.sequence);
+}
+
+void TrackerService::acknowledge(std::int64_t sequence) {
   context_.publish(messages::channels::kAcknowledge,
-                   messages::Acknowledge{session_, estimate.header.sequence, context_.options().name});
+                   messages::Acknowledge{session_, sequence, context_.options().name});
 }
 
 void TrackerService::announce_corrections(std::vector<tracking::PoseCorrection::Entry> entries) {

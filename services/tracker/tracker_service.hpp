@@ -34,6 +34,7 @@ class TrackerService : public service::Service {
   void track_waiting_frames();
   void track(const features::FrameFeatures& frame);
   void answer(const tracking::PoseEstimate& estimate);
+  void acknowledge(std::int64_t sequence);
   void announce_corrections(std::vector<tracking::PoseCorrection::Entry> entries);
   void forget_confirmed_keyframes();
   [[nodiscard]] bool waits_for_graph() const;

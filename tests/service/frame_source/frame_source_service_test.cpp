@@ -122,11 +122,20 @@ TEST_F(FrameSource, IgnoresAcknowledgementsThatAreNotForItsFrames) {
   run(0.1);
   for (const char* consumer : {"tracker", "mapper"}) {
     acknowledge(consumer, 2, kSession + 1);  // another session
-    acknowledge(consumer, 1000);             // never sent
   }
   acknowledge("stranger", 2);
   run(0.2);
   EXPECT_THAT(sequences(), ElementsAre(0, 1, 2));
+}
+
+// As consumers do when the source was killed and has started from the beginning.
+TEST_F(FrameSource, AnAcknowledgementBeyondWhatWasSentCountsForWhatWas) {
+  acknowledging_ = {};
+  start(std::make_unique<FakeInput>(10), true);
+  run(0.1);
+  for (const char* consumer : {"tracker", "mapper"}) acknowledge(consumer, 1000);
+  run(0.2);
+  EXPECT_THAT(sequences(), ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
 TEST_F(FrameSource, SendsTheOldestFrameAgainWhenNobodyAnswers) {

@@ -38,15 +38,26 @@ Fleet::Fleet(const Hosts& hosts, const Options& options) : hosts_(hosts), option
   bus_ = *std::move(bus);
   const auto note_end = [this](const transport::ReceivedMessage& /*message*/) { ended_ = true; };
   EXPECT_TRUE(bus_->subscribe(messages::channels::kEndOfStream, note_end, 1));
+  const auto count_pose = [this](const transport::ReceivedMessage& /*message*/) { ++poses_; };
+  EXPECT_TRUE(bus_->subscribe(messages::channels::kPose, count_pose, 0));
   sheriff_ = std::make_unique<Program>("procman-sheriff", sheriff_arguments("run"));
 }
 
+bool Fleet::wait_for_poses(int count, std::chrono::seconds limit) {
+  const int wanted = poses_ + count;
+  return handle_until([&] { return poses_ >= wanted; }, limit);
+}
+
 bool Fleet::wait_for_end(std::chrono::seconds limit) {
+  return handle_until([this] { return ended_; }, limit);
+}
+
+bool Fleet::handle_until(const std::function<bool()>& condition, std::chrono::seconds limit) {
   const auto end = std::chrono::steady_clock::now() + limit;
-  while (!ended_ && std::chrono::steady_clock::now() < end) {
+  while (!condition() && std::chrono::steady_clock::now() < end) {
     if (!bus_->handle(std::chrono::milliseconds(100))) return false;
   }
-  return ended_;
+  return condition();
 }
 
 int Fleet::stop() {

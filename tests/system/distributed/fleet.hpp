@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -27,6 +28,9 @@ class Fleet {
   /// Starts deputies and sheriff. `hosts` has as many machines as there are deputies.
   Fleet(const Hosts& hosts, const Options& options);
 
+  /// Waits until the tracker has answered `count` more frames.
+  bool wait_for_poses(int count, std::chrono::seconds limit);
+
   /// Waits until the source has announced the end of the stream, which it does when all consumers have had all frames.
   bool wait_for_end(std::chrono::seconds limit);
 
@@ -39,6 +43,7 @@ class Fleet {
   [[nodiscard]] std::string output() const;
 
  private:
+  bool handle_until(const std::function<bool()>& condition, std::chrono::seconds limit);
   std::vector<std::string> sheriff_arguments(const std::string& script) const;
 
   const Hosts& hosts_;
@@ -46,6 +51,7 @@ class Fleet {
   std::map<std::string, std::unique_ptr<Program>> deputies_;
   std::unique_ptr<Program> sheriff_;
   std::unique_ptr<transport::LcmBus> bus_;
+  int poses_ = 0;
   bool ended_ = false;
 };
 
