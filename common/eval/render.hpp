@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/eval/surface.hpp"
@@ -57,6 +58,18 @@ cv::Mat render_scene(const ColouredSurface& surface, std::span<const Path> paths
 
 /// The paths seen from above, from the front and from the side, with a scale. CV_8UC3, BGR, `width` x `height`.
 cv::Mat plot_paths(std::span<const Path> paths, const RenderOptions& options, int width, int height);
+
+/// Edges between keyframes, as indices into a list of their positions.
+struct PlottedGraph {
+  std::string title;
+  std::vector<std::pair<std::size_t, std::size_t>> edges;
+  cv::Scalar colour;  ///< BGR
+};
+
+/// Graphs over the same keyframes (positions, metres) side by side, seen from above, with their numbers of edges: the
+/// paper's comparison of E-Graph and covisibility graph. CV_8UC3, BGR, options.width x options.height.
+cv::Mat render_graphs(std::span<const Eigen::Vector3d> keyframes, std::span<const PlottedGraph> graphs,
+                      const RenderOptions& options);
 
 /// All that is known about a run, in the frame of the estimate; each part may be empty.
 struct Overview {

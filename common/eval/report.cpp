@@ -59,6 +59,15 @@ std::string table_of(const TrajectoryErrors& errors) {
          row("RPE over 1 s, rotation (deg)", errors.rpe_rotation_deg);
 }
 
+std::string table_of(const Drift& drift) {
+  return fixed(drift.duration_s, 1) + " s, " + fixed(drift.path_m, 1) + " m of way, position off by " +
+         fixed(drift.end_error_m, 3) + " m at its end\nrotation error grows by " +
+         fixed(drift.rotation_slope_deg_per_min, 4) + " +- " + fixed(drift.rotation_slope_sigma, 4) +
+         " deg per minute, from " + fixed(drift.rotation_start_deg, 3) + " to " + fixed(drift.rotation_end_deg, 3) +
+         " deg\n" + heading() + row("position drift (m per m)", drift.position_per_m) +
+         row("rotation drift (deg per m)", drift.rotation_deg_per_m);
+}
+
 std::string table_of(const GraphErrors& errors) {
   return std::to_string(errors.keyframes) + " keyframes, " + std::to_string(errors.edges) + " edges, " +
          std::to_string(errors.edges_without_reference) + " of them without a reference pose\n" +

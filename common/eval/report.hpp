@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "common/eval/drift.hpp"
 #include "common/eval/graph_errors.hpp"
 #include "common/eval/mesh_errors.hpp"
 #include "common/eval/trajectory_errors.hpp"
@@ -10,6 +11,7 @@
 namespace eg::eval {
 
 std::string table_of(const TrajectoryErrors& errors);
+std::string table_of(const Drift& drift);
 std::string table_of(const GraphErrors& errors);
 std::string table_of(const MeshErrors& errors);
 

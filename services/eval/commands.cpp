@@ -17,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using geometry::StampedPose;
+using Trajectory = std::vector<StampedPose>;
 
 template <typename Errors>
 Report report_of(const Errors& errors) {
@@ -60,18 +61,29 @@ base::Result<geometry::Pose> alignment_of(const MeshAlignment& files) {
   return eval::align_positions(pairs);
 }
 
-eval::SurfaceView surface_of(const io::PlyData& data) { return {data.vertices, data.triangles}; }
-
-}  // namespace
-
-base::Result<Report> report_trajectory(const fs::path& estimate_file, const fs::path& reference_file) {
+/// Reads two trajectories and reports what `evaluate` finds between them.
+base::Result<Report> compare(const fs::path& estimate_file, const fs::path& reference_file, const auto& evaluate) {
   const auto estimate = io::read_trajectory(estimate_file);
   if (!estimate) return tl::make_unexpected(estimate.error());
   const auto reference = io::read_trajectory(reference_file);
   if (!reference) return tl::make_unexpected(reference.error());
-  const auto errors = eval::evaluate_trajectory(*estimate, *reference);
+  const auto errors = evaluate(*estimate, *reference);
   if (!errors) return incomparable(estimate_file, reference_file, errors.error());
   return report_of(*errors);
+}
+
+eval::SurfaceView surface_of(const io::PlyData& data) { return {data.vertices, data.triangles}; }
+
+}  // namespace
+
+base::Result<Report> report_trajectory(const fs::path& estimate, const fs::path& reference) {
+  return compare(estimate, reference,
+                 [](const Trajectory& a, const Trajectory& b) { return eval::evaluate_trajectory(a, b); });
+}
+
+base::Result<Report> report_drift(const fs::path& estimate, const fs::path& reference) {
+  return compare(estimate, reference,
+                 [](const Trajectory& a, const Trajectory& b) { return eval::evaluate_drift(a, b); });
 }
 
 base::Result<Report> report_graph(const fs::path& graph_file, const fs::path& reference_file,

@@ -18,6 +18,8 @@ struct Report {
 
 base::Result<Report> report_trajectory(const std::filesystem::path& estimate, const std::filesystem::path& reference);
 
+base::Result<Report> report_drift(const std::filesystem::path& estimate, const std::filesystem::path& reference);
+
 /// `camera`: a name or file, whose field of view decides which views overlap.
 base::Result<Report> report_graph(const std::filesystem::path& graph, const std::filesystem::path& reference,
                                   const std::string& camera);
@@ -41,5 +43,8 @@ struct PictureFiles {
 /// Draws mesh, trajectories and keyframes into a PNG file. `y_up`: the camera that made them has a negative fy. The
 /// report says what was written.
 base::Result<Report> render_picture(const PictureFiles& files, bool y_up, const std::filesystem::path& out);
+
+/// Draws the edges of the E-Graph beside those of covisibility, seen from above, into a PNG file.
+base::Result<Report> render_edges(const std::filesystem::path& graph, bool y_up, const std::filesystem::path& out);
 
 }  // namespace eg::service

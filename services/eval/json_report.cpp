@@ -41,6 +41,18 @@ Json json_of(const eval::TrajectoryErrors& errors) {
           {"rpe_rotation_deg", json_of(errors.rpe_rotation_deg)}};
 }
 
+Json json_of(const eval::Drift& drift) {
+  return {{"rotation_slope_deg_per_min", drift.rotation_slope_deg_per_min},
+          {"rotation_slope_sigma", drift.rotation_slope_sigma},
+          {"rotation_start_deg", drift.rotation_start_deg},
+          {"rotation_end_deg", drift.rotation_end_deg},
+          {"duration_s", drift.duration_s},
+          {"path_m", drift.path_m},
+          {"end_error_m", drift.end_error_m},
+          {"position_per_m", json_of(drift.position_per_m)},
+          {"rotation_deg_per_m", json_of(drift.rotation_deg_per_m)}};
+}
+
 Json json_of(const eval::GraphErrors& errors) {
   using Statistics = eval::ErrorStatistics;
   return {{"edge_rotation_mean_deg", figure(errors.all_deg, &Statistics::mean)},

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/eval/drift.hpp"
 #include "common/eval/graph_errors.hpp"
 #include "common/eval/mesh_errors.hpp"
 #include "common/eval/trajectory_errors.hpp"
@@ -11,6 +12,7 @@
 namespace eg::service {
 
 nlohmann::ordered_json json_of(const eval::TrajectoryErrors& errors);
+nlohmann::ordered_json json_of(const eval::Drift& drift);
 nlohmann::ordered_json json_of(const eval::GraphErrors& errors);
 nlohmann::ordered_json json_of(const eval::MeshErrors& errors);
 

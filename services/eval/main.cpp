@@ -79,6 +79,8 @@ int main(int argc, char** argv) {
   Arguments arguments;
   const auto* trajectory =
       add_command(app, arguments, "trajectory", "errors of a camera trajectory (TUM format)", "EST", "GT");
+  const auto* drift =
+      add_command(app, arguments, "drift", "how errors grow with time and with the way gone", "EST", "GT");
   auto* graph = add_command(app, arguments, "graph", "rotation error of every edge of the E-Graph", "GRAPH", "GT");
   graph->add_option("--camera", arguments.camera, "NAME or FILE.yaml: its field of view tells which views overlap")
       ->capture_default_str();
@@ -92,15 +94,24 @@ int main(int argc, char** argv) {
       app, arguments, "table", "run egraph-run on every known sequence, print the paper's tables with our column");
   auto* ablation = add_runs_command(app, arguments, "ablation", "the same with parts switched off by configurations");
   ablation->add_option("--configs", arguments.configs, "folder of YAML configurations, one per column")->required();
+  auto* edges = app.add_subcommand("edges", "draw the edges of the E-Graph beside those of covisibility");
+  edges->add_option("GRAPH", arguments.estimate, "egraph.json")->required();
+  edges->add_option("--out", arguments.out, "PNG file to write")->required();
+  edges->add_flag("--y-up", arguments.y_up, "the camera has a negative fy (ICL-NUIM): its y axis points up");
+  edges->add_flag("--json", arguments.json, "print JSON");
   CLI11_PARSE(app, argc, argv);
 
   using namespace eg::service;
   if (trajectory->parsed()) return finish(report_trajectory(arguments.estimate, arguments.reference), arguments.json);
+  if (drift->parsed()) return finish(report_drift(arguments.estimate, arguments.reference), arguments.json);
   if (graph->parsed()) {
     return finish(report_graph(arguments.estimate, arguments.reference, arguments.camera), arguments.json);
   }
   if (render->parsed()) {
     return finish(render_picture(arguments.picture, arguments.y_up, arguments.out), arguments.json);
+  }
+  if (edges->parsed()) {
+    return finish(render_edges(arguments.estimate, arguments.y_up, arguments.out), arguments.json);
   }
   if (table->parsed()) return finish(print_table(arguments.root, arguments.plan));
   if (ablation->parsed()) return finish(print_ablation(arguments.root, arguments.configs, arguments.plan));

@@ -1,3 +1,4 @@
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
@@ -26,6 +27,29 @@ std::vector<geometry::Pose> keyframe_poses(const egraph::GraphSnapshot& graph) {
   std::vector<geometry::Pose> poses;
   for (const egraph::KeyframeNode& keyframe : graph.keyframes) poses.push_back(keyframe.world_from_camera);
   return poses;
+}
+
+/// Two graphs over the same keyframes.
+struct GraphPicture {
+  std::vector<Eigen::Vector3d> keyframes;
+  eval::PlottedGraph extensibility{"E-Graph", {}, {60, 140, 20}};
+  eval::PlottedGraph covisibility{"covisibility", {}, {200, 90, 20}};
+};
+
+GraphPicture picture_of(const egraph::GraphSnapshot& graph) {
+  GraphPicture picture;
+  std::map<egraph::KeyframeId, std::size_t> index_of;
+  for (const egraph::KeyframeNode& keyframe : graph.keyframes) {
+    index_of[keyframe.id] = picture.keyframes.size();
+    picture.keyframes.push_back(keyframe.world_from_camera.translation);
+  }
+  for (const egraph::Edge& edge : graph.edges) {
+    picture.extensibility.edges.emplace_back(index_of.at(edge.first), index_of.at(edge.second));
+  }
+  for (const auto& edge : graph.covisibility) {
+    picture.covisibility.edges.emplace_back(index_of.at(edge.first), index_of.at(edge.second));
+  }
+  return picture;
 }
 
 base::Status write_png(const fs::path& path, const cv::Mat& image) {
@@ -57,6 +81,22 @@ base::Result<Report> render_picture(const PictureFiles& files, bool y_up, const 
                     std::to_string(estimate->size()) + " poses and " + std::to_string(keyframes.size()) +
                     " keyframes\n",
                 {{"picture", out.string()}, {"width", image.cols}, {"height", image.rows}}};
+}
+
+base::Result<Report> render_edges(const fs::path& graph_file, bool y_up, const fs::path& out) {
+  const auto graph = io::read_graph(graph_file);
+  if (!graph) return tl::make_unexpected(graph.error());
+  const GraphPicture picture = picture_of(*graph);
+  const std::vector<eval::PlottedGraph> graphs = {picture.extensibility, picture.covisibility};
+  eval::RenderOptions options = eval::render_options_for(y_up);
+  options.height = options.width / 2;
+  const cv::Mat image = eval::render_graphs(picture.keyframes, graphs, options);
+  if (const auto status = write_png(out, image); !status) return tl::make_unexpected(status.error());
+  const std::size_t edges = picture.extensibility.edges.size();
+  const std::size_t covisible = picture.covisibility.edges.size();
+  return Report{out.string() + ": " + std::to_string(edges) + " edges of the E-Graph, " + std::to_string(covisible) +
+                    " of covisibility\n",
+                {{"picture", out.string()}, {"edges", edges}, {"covisibility_edges", covisible}}};
 }
 
 }  // namespace eg::service

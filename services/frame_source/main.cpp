@@ -14,7 +14,7 @@ void add_options(CLI::App& app, services::FrameSourceOptions& options) {
       ->envname("EGRAPH_DATASET")
       ->capture_default_str();
   app.add_option("--observations", options.input.observations,
-                 "Folder of feature-level data in the format of Open-Structure, instead of --dataset")
+                 "Feature-level data instead of --dataset: folder in the format of Open-Structure, or synthetic:walk")
       ->envname("EGRAPH_OBSERVATIONS");
   app.add_option("--camera", options.input.camera, "Camera by name or YAML file; without it found from the data set")
       ->envname("EGRAPH_CAMERA");

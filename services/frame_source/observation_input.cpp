@@ -3,8 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/io/camera_file.hpp"
-#include "common/io/open_structure.hpp"
+#include "common/io/observation_source.hpp"
 #include "common/observations/frame_features.hpp"
 
 namespace eg::services {
@@ -13,9 +12,11 @@ namespace {
 /// Features with known identities, from a recording that holds no images.
 class ObservationInput : public FrameInput {
  public:
-  ObservationInput(std::string name, observations::Recording recording, io::ResolvedCamera camera,
-                   const observations::SensorModel& sensor)
-      : name_(std::move(name)), recording_(std::move(recording)), camera_(std::move(camera)), sensor_(sensor) {}
+  ObservationInput(std::string name, io::ObservationSource source, const observations::SensorModel& sensor)
+      : name_(std::move(name)),
+        recording_(std::move(source.recording)),
+        camera_(std::move(source.camera)),
+        sensor_(sensor) {}
 
   [[nodiscard]] std::int64_t size() const override { return static_cast<std::int64_t>(recording_.frames.size()); }
 
@@ -50,17 +51,16 @@ class ObservationInput : public FrameInput {
 
 base::Result<std::unique_ptr<FrameInput>> open_observations(const InputOptions& options) {
   const auto name = options.camera.empty() ? std::nullopt : std::optional(options.camera);
-  auto camera = io::resolve_camera(options.observations, name);
-  if (!camera) return tl::make_unexpected(camera.error());
-  auto recording = io::read_open_structure(options.observations);
-  if (!recording) return tl::make_unexpected(recording.error());
-  if (options.max_frames > 0 && static_cast<std::size_t>(options.max_frames) < recording->frames.size()) {
-    recording->frames.resize(static_cast<std::size_t>(options.max_frames));
-  }
   observations::SensorModel sensor;
   sensor.depth_noise = options.noise;
   sensor.seed = static_cast<std::uint64_t>(options.seed);
-  return std::make_unique<ObservationInput>(options.observations, *std::move(recording), *std::move(camera), sensor);
+  auto source = io::open_observations(options.observations, name, sensor);
+  if (!source) return tl::make_unexpected(source.error());
+  auto& frames = source->recording.frames;
+  if (options.max_frames > 0 && static_cast<std::size_t>(options.max_frames) < frames.size()) {
+    frames.resize(static_cast<std::size_t>(options.max_frames));
+  }
+  return std::make_unique<ObservationInput>(options.observations, *std::move(source), sensor);
 }
 
 }  // namespace eg::services

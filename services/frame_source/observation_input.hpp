@@ -6,7 +6,8 @@
 
 namespace eg::services {
 
-/// Opens a recording of features in the text format of Open-Structure: options.observations.
+/// Opens a recording of features, options.observations: a folder in the text format of Open-Structure, or
+/// synthetic:walk.
 base::Result<std::unique_ptr<FrameInput>> open_observations(const InputOptions& options);
 
 }  // namespace eg::services

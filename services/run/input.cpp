@@ -6,7 +6,7 @@
 
 #include "common/io/camera_file.hpp"
 #include "common/io/dataset.hpp"
-#include "common/io/open_structure.hpp"
+#include "common/io/observation_source.hpp"
 #include "common/recording/frame_log.hpp"
 #include "common/synthetic/sequence.hpp"
 
@@ -61,15 +61,13 @@ base::Result<Input> inspect_recording(const RunOptions& options) {
 
 base::Result<Input> inspect_observations(const RunOptions& options) {
   const auto camera_option = options.camera.empty() ? std::nullopt : std::optional<std::string>(options.camera);
-  const auto camera = io::resolve_camera(options.observations, camera_option);
-  if (!camera) return tl::make_unexpected(camera.error());
-  const auto recording = io::read_open_structure(options.observations);
-  if (!recording) return tl::make_unexpected(recording.error());
+  const auto source = io::open_observations(options.observations, camera_option, {});
+  if (!source) return tl::make_unexpected(source.error());
   Input input;
-  input.observations = std::filesystem::absolute(options.observations).string();
-  input.y_up = camera->camera.fy < 0.0;
-  input.frames = limited(static_cast<std::int64_t>(recording->frames.size()), options.frames);
-  input.description = "observations of " + options.observations + ", " + camera->how;
+  input.observations = absolute_if_file(options.observations);
+  input.y_up = source->camera.camera.fy < 0.0;
+  input.frames = limited(static_cast<std::int64_t>(source->recording.frames.size()), options.frames);
+  input.description = "observations of " + options.observations + ", " + source->camera.how;
   input.ground_truth = options.out / "groundtruth.txt";  // written by the frame source
   return input;
 }

@@ -30,8 +30,9 @@ int main(int argc, char** argv) {
   CLI::App app("Runs the whole system on a recording: trajectory, E-Graph and mesh into a folder", "egraph-run");
   auto* input = app.add_option_group("input", "what to run on")->require_option(1);
   input->add_option("--dataset", options.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE");
-  input->add_option("--observations", options.observations,
-                    "Folder of feature-level data in the format of Open-Structure; implies --no-mapper");
+  input->add_option(
+      "--observations", options.observations,
+      "Feature-level data: folder in the format of Open-Structure, or synthetic:walk; implies --no-mapper");
   auto* log_in = input->add_option("--log-in", options.log_in, "LCM log of an earlier run or of a robot, to replay");
   app.add_option("--session", options.session, "Which of the log's sessions, if there are several")->needs(log_in);
   app.add_option("--log-channel", options.log_channel, "Where the log's frames are, if on several channels")

@@ -13,7 +13,7 @@ struct RunOptions {
   std::filesystem::path log_in;         ///< LCM log to take the frames from instead
   std::string log_channel;              ///< where they are in it; empty: the only channel that has any
   std::optional<std::int64_t> session;  ///< which of the log's sessions; nothing: the only one
-  std::string observations;             ///< folder of feature-level data instead; the mapper has nothing to do then
+  std::string observations;             ///< feature-level data instead (folder or synthetic:walk); nothing to map then
   std::string camera;                   ///< name or YAML file; empty: found from the data set
   std::filesystem::path out;            ///< results
   bool realtime = false;                ///< at the sensor's rate instead of in lockstep

@@ -49,6 +49,26 @@ class EvalCommands : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
+TEST_F(EvalCommands, EdgesOfBothGraphs) {
+  const auto report = render_edges(file("egraph.json"), false, file("edges.png"));
+  ASSERT_TRUE(report.has_value()) << report.error().message;
+  EXPECT_EQ(report->json["edges"], 2);
+  EXPECT_EQ(report->json["covisibility_edges"], 0);
+  const cv::Mat picture = cv::imread(file("edges.png").string());
+  ASSERT_FALSE(picture.empty());
+  const auto ink = [&](const cv::Mat& half) { return cv::countNonZero(half.reshape(1) != 255); };
+  EXPECT_GT(ink(picture.colRange(0, picture.cols / 2).clone()),
+            ink(picture.colRange(picture.cols / 2, picture.cols).clone()));
+}
+
+TEST_F(EvalCommands, Drift) {
+  const auto report = report_drift(file("est.txt"), file("gt.txt"));
+  ASSERT_TRUE(report.has_value()) << report.error().message;
+  EXPECT_THAT(report->table, HasSubstr("rotation error grows by"));
+  EXPECT_NEAR(report->json["rotation_slope_deg_per_min"].get<double>(), 0.0, 1e-3);
+  EXPECT_THAT(report_drift(file("est.txt"), file("none.txt")).error().message, HasSubstr("none.txt"));
+}
+
 TEST_F(EvalCommands, Trajectory) {
   const auto report = report_trajectory(file("est.txt"), file("gt.txt"));
   ASSERT_TRUE(report.has_value()) << report.error().message;

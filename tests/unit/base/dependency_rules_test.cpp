@@ -142,7 +142,7 @@ TEST_F(DependencyRules, LibrariesLieInLayers) {
                          {"tracking", {"base", "geometry", "image", "features", "egraph"}},
                          {"mapping", image},
                          {"eval", image},
-                         {"observations", {"base", "geometry", "image", "features"}},
+                         {"observations", {"base", "geometry", "image", "features", "synthetic"}},
                          {"procman", {"base"}},
                          {"transport", {"base"}}};
   for (const auto& [library, below] : allowed) {
