@@ -66,8 +66,9 @@ struct PlottedGraph {
   cv::Scalar colour;  ///< BGR
 };
 
-/// Graphs over the same keyframes (positions, metres) side by side, seen from above, with their numbers of edges: the
-/// paper's comparison of E-Graph and covisibility graph. CV_8UC3, BGR, options.width x options.height.
+/// Graphs over the same keyframes (positions in metres, in increasing time) side by side: the edges seen from above, as
+/// in the paper's comparison of E-Graph and covisibility graph, and below the adjacency matrices, in which dense graphs
+/// can be told apart. CV_8UC3, BGR, options.width wide.
 cv::Mat render_graphs(std::span<const Eigen::Vector3d> keyframes, std::span<const PlottedGraph> graphs,
                       const RenderOptions& options);
 

@@ -29,11 +29,14 @@ std::vector<geometry::Pose> keyframe_poses(const egraph::GraphSnapshot& graph) {
   return poses;
 }
 
+/// Fewer shared features are no covisibility edge for systems that work on it.
+constexpr int kMinShared = 15;
+
 /// Two graphs over the same keyframes.
 struct GraphPicture {
   std::vector<Eigen::Vector3d> keyframes;
   eval::PlottedGraph extensibility{"E-Graph", {}, {60, 140, 20}};
-  eval::PlottedGraph covisibility{"covisibility", {}, {200, 90, 20}};
+  eval::PlottedGraph covisibility{"covisibility (15 shared features or more)", {}, {200, 90, 20}};
 };
 
 GraphPicture picture_of(const egraph::GraphSnapshot& graph) {
@@ -47,6 +50,7 @@ GraphPicture picture_of(const egraph::GraphSnapshot& graph) {
     picture.extensibility.edges.emplace_back(index_of.at(edge.first), index_of.at(edge.second));
   }
   for (const auto& edge : graph.covisibility) {
+    if (edge.shared_features < kMinShared) continue;
     picture.covisibility.edges.emplace_back(index_of.at(edge.first), index_of.at(edge.second));
   }
   return picture;
@@ -88,9 +92,7 @@ base::Result<Report> render_edges(const fs::path& graph_file, bool y_up, const f
   if (!graph) return tl::make_unexpected(graph.error());
   const GraphPicture picture = picture_of(*graph);
   const std::vector<eval::PlottedGraph> graphs = {picture.extensibility, picture.covisibility};
-  eval::RenderOptions options = eval::render_options_for(y_up);
-  options.height = options.width / 2;
-  const cv::Mat image = eval::render_graphs(picture.keyframes, graphs, options);
+  const cv::Mat image = eval::render_graphs(picture.keyframes, graphs, eval::render_options_for(y_up));
   if (const auto status = write_png(out, image); !status) return tl::make_unexpected(status.error());
   const std::size_t edges = picture.extensibility.edges.size();
   const std::size_t covisible = picture.covisibility.edges.size();
