@@ -144,9 +144,13 @@ Groups find_groups(const Lines& lines, const geometry::CameraModel& camera, cons
   return significant(lines, std::move(groups), options);
 }
 
+/// Covariance of `sigma` radians about every axis across a direction.
+Eigen::Matrix3d tangential(const Eigen::Vector3d& direction, double sigma) {
+  return sigma * sigma * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+}
+
 Eigen::Matrix3d with_floor(const DirectionEstimate& estimate, double floor) {
-  const Eigen::Vector3d& d = estimate.direction;
-  return estimate.covariance + floor * floor * (Eigen::Matrix3d::Identity() - d * d.transpose());
+  return estimate.covariance + tangential(estimate.direction, floor);
 }
 
 DirectionFeature vanishing_direction(const DirectionGroup& group, double floor) {
@@ -178,6 +182,7 @@ base::Status validate(const DirectionExtractorOptions& options) {
   if (!(options.group.max_group_sigma > 0.0)) return base::fail("directions.max_group_sigma must be positive");
   if (!(options.max_false_alarms > 0.0)) return base::fail("directions.max_false_alarms must be positive");
   if (!(options.sigma_floor >= 0.0)) return base::fail("directions.sigma_floor must not be negative");
+  if (!(options.warp_sigma >= 0.0)) return base::fail("directions.warp_sigma must not be negative");
   if (options.max_potential < 0) return base::fail("directions.max_potential must not be negative");
   return {};
 }
@@ -208,6 +213,12 @@ std::vector<DirectionFeature> extract_line_directions(std::vector<MeasuredLine>&
     ++potential;
   }
   return directions;
+}
+
+void add_warp(double warp, const DirectionExtractorOptions& options, std::vector<DirectionFeature>& line_directions) {
+  for (DirectionFeature& direction : line_directions) {
+    direction.covariance += tangential(direction.direction, warp * options.warp_sigma);
+  }
 }
 
 std::vector<DirectionFeature> plane_directions(const std::vector<PlaneFeature>& planes) {

@@ -17,7 +17,8 @@ struct DirectionExtractorOptions {
   DirectionGroupOptions group;
   double same_direction = 0.12;  ///< radians: what is nearer to a better supported direction is no direction of its own
   double max_false_alarms = 0.1;  ///< groups per frame that are parallel by chance (log_false_alarms)
-  double sigma_floor = 0.0035;  ///< radians per axis, added to every vanishing direction: what no model of noise knows
+  double sigma_floor = 0.0015;    ///< radians per axis, added to every direction: what no model of noise knows
+  double warp_sigma = 0.02;  ///< radians per axis, added times the depth's warp: what lenses, shutters and blur bend
   double max_potential_sigma = 0.02;  ///< radians: single lines known less well are no potential directions
   int max_potential = 20;             ///< potential directions per frame, the longest lines
   std::uint64_t seed = 1;
@@ -33,6 +34,10 @@ base::Status validate(const DirectionExtractorOptions& options);
 std::vector<DirectionFeature> extract_line_directions(std::vector<MeasuredLine>& lines,
                                                       const geometry::CameraModel& camera,
                                                       const DirectionExtractorOptions& options = {});
+
+/// Adds to the covariances what the frame's depth tells of its sensor (DepthErrors::warp): edges of a rendered image
+/// are where they should be, those of a real camera are not.
+void add_warp(double warp, const DirectionExtractorOptions& options, std::vector<DirectionFeature>& line_directions);
 
 /// One direction per plane: its normal with its covariance.
 std::vector<DirectionFeature> plane_directions(const std::vector<PlaneFeature>& planes);

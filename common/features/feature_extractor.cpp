@@ -50,6 +50,7 @@ FrameFeatures FeatureExtractor::extract(const image::RectifiedFrame& frame) {
 
   std::vector<MeasuredLine> lines;
   std::vector<DirectionFeature> line_directions;
+  double warp = 0.0;
   tbb::parallel_invoke([&] { features.points = extract_points(grey, frame.depth, options_.points); },
                        [&] {
                          lines = line_extractor_.extract(grey, frame.depth, frame.camera);
@@ -59,7 +60,9 @@ FrameFeatures FeatureExtractor::extract(const image::RectifiedFrame& frame) {
                          PlaneExtraction extraction = plane_extractor_.extract(frame.depth, frame.camera);
                          features.planes = std::move(extraction.planes);
                          plane_labels_ = extraction.labels;
+                         warp = extraction.warp;
                        });
+  add_warp(warp, options_.directions, line_directions);
   features.directions = plane_directions(features.planes);
   append_line_directions(lines, std::move(line_directions), features);
   return features;

@@ -168,6 +168,7 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   }
   add_hulls(labels.labels, grid, result.planes);
   result.labels = labels.labels.clone();
+  result.warp = errors.warp;
   return result;
 }
 

@@ -36,6 +36,7 @@ base::Status validate(const PlaneOptions& options);
 struct PlaneExtraction {
   std::vector<PlaneFeature> planes;  ///< by falling support, at most kMaxPlanes
   cv::Mat labels;                    ///< CV_8UC1, the depth image's size: 0 none, i + 1 belongs to planes[i]
+  double warp = 0.0;                 ///< of the sensor, as this image shows it (DepthErrors::warp)
 };
 
 /// Planes of an organised depth image by agglomerative hierarchical clustering: Feng, Taguchi, Kamat, "Fast plane

@@ -29,6 +29,7 @@ void describe_directions(io::ConfigSchema& section, features::DirectionExtractor
   section.field("min_depth_lines", directions.group.min_depth_lines, {2, 1000}, "that make a vanishing direction");
   section.field("min_image_lines", directions.group.min_image_lines, {3, 1000}, "that do so where depth is missing");
   section.field("sigma_floor", directions.sigma_floor, {0.0, 1.0}, "radians, added to every direction");
+  section.field("warp_sigma", directions.warp_sigma, {0.0, 1.0}, "radians, added times the warp of the depth");
   section.field("max_potential", directions.max_potential, {0, 400}, "potential directions per frame");
 }
 

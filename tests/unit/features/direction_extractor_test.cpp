@@ -268,5 +268,18 @@ TEST(LineDirections, RefuseOptionsOutOfRange) {
   EXPECT_FALSE(validate(options));
 }
 
+TEST(AddWarp, MakesDirectionsLessCertainAcrossThemselvesOnly) {
+  DirectionExtractorOptions options;
+  options.warp_sigma = 0.02;
+  const Vector3d direction = Vector3d(1, 2, -2) / 3.0;
+  std::vector<DirectionFeature> directions(1);
+  directions[0].direction = direction;
+  add_warp(0.0, options, directions);
+  EXPECT_TRUE(directions[0].covariance.isZero());
+  add_warp(0.5, options, directions);
+  EXPECT_NEAR((directions[0].covariance * direction).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(directions[0].covariance.trace(), 2.0 * 0.01 * 0.01, 1e-12);
+}
+
 }  // namespace
 }  // namespace eg::features

@@ -128,7 +128,12 @@ TEST(FeatureExtractor, SurvivesFramesThatShowNothing) {
       noise.at<cv::Vec3b>(i / size.width, i % size.width) =
           cv::Vec3b::all(static_cast<std::uint8_t>(random.index(256)));
     }
-    for (const cv::Mat& colour : {cv::Mat(size, CV_8UC3, cv::Scalar::all(0)), noise}) {
+    cv::Mat checkerboard(size, CV_8UC3);
+    for (int i = 0; i < size.area(); ++i) {
+      const bool white = (i / size.width / 8 + i % size.width / 8) % 2 == 0;
+      checkerboard.at<cv::Vec3b>(i / size.width, i % size.width) = cv::Vec3b::all(white ? 255 : 0);
+    }
+    for (const cv::Mat& colour : {cv::Mat(size, CV_8UC3, cv::Scalar::all(0)), noise, checkerboard}) {
       for (const float z : {0.0F, kNan, -1.0F, 2.0F}) {
         const cv::Mat depth(size, CV_32FC1, cv::Scalar(z));
         const auto features = extractor.extract({{}, camera(size.width, size.height), colour, depth});
@@ -141,7 +146,7 @@ TEST(FeatureExtractor, SurvivesFramesThatShowNothing) {
 }
 
 TEST(FeatureExtractor, TakesLargeFrames) {
-  const FrameFeatures features = FeatureExtractor().extract(room_frame(camera(2000, 1500), turned()));
+  const FrameFeatures features = FeatureExtractor().extract(room_frame(camera(4000, 3000), turned()));
   EXPECT_GE(features.planes.size(), 3U);
   EXPECT_GT(features.lines.size(), 10U);
 }
