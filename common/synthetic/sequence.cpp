@@ -14,6 +14,14 @@ std::string trajectory_name(const SequenceOptions& options) {
 
 }  // namespace
 
+SequenceOptions sequence_named(std::string_view name) {
+  SequenceOptions options;
+  const std::size_t colon = name.find(':');
+  options.scene = name.substr(0, colon);
+  if (colon != std::string_view::npos) options.trajectory = name.substr(colon + 1);
+  return options;
+}
+
 base::Status validate(const SequenceOptions& options) {
   if (const auto camera = geometry::validate(options.camera); !camera) return camera;
   if (options.frame_count < 0) return base::fail("the number of frames of a synthetic sequence must not be negative");

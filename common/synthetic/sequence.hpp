@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/result.hpp"
@@ -25,6 +26,9 @@ struct SequenceOptions {
   std::int64_t session = 0;
   std::int64_t start_utime = 1'000'000;  ///< acquisition time of frame 0, microseconds
 };
+
+/// The sequence that people call SCENE, or SCENE:TRAJECTORY for another motion than the scene's own (`room:spin`).
+SequenceOptions sequence_named(std::string_view name);
 
 /// Says what is wrong with the options (unknown names, invalid camera, negative count).
 base::Status validate(const SequenceOptions& options);

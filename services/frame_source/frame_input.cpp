@@ -84,8 +84,7 @@ class SyntheticInput : public FrameInput {
 };
 
 base::Result<std::unique_ptr<FrameInput>> open_synthetic(const InputOptions& options) {
-  synthetic::SequenceOptions sequence_options;
-  sequence_options.scene = options.dataset.substr(kSynthetic.size());
+  synthetic::SequenceOptions sequence_options = synthetic::sequence_named(options.dataset.substr(kSynthetic.size()));
   sequence_options.seed = static_cast<std::uint64_t>(options.seed);
   if (!options.camera.empty()) {
     const auto camera = io::read_camera(options.camera);

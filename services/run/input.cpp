@@ -25,8 +25,7 @@ std::string absolute_if_file(const std::string& name_or_file) {
 }
 
 base::Result<Input> inspect_synthetic(const RunOptions& options) {
-  synthetic::SequenceOptions sequence_options;
-  sequence_options.scene = options.dataset.substr(kSynthetic.size());
+  synthetic::SequenceOptions sequence_options = synthetic::sequence_named(options.dataset.substr(kSynthetic.size()));
   if (!options.camera.empty()) {
     const auto camera = io::read_camera(options.camera);
     if (!camera) return tl::make_unexpected(camera.error());

@@ -29,7 +29,8 @@ int main(int argc, char** argv) {
   bool no_mapper = false;
   CLI::App app("Runs the whole system on a recording: trajectory, E-Graph and mesh into a folder", "egraph-run");
   auto* input = app.add_option_group("input", "what to run on")->require_option(1);
-  input->add_option("--dataset", options.dataset, "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE");
+  input->add_option("--dataset", options.dataset,
+                    "Folder in TUM RGB-D or ICL-NUIM layout, or synthetic:SCENE[:TRAJECTORY]");
   input->add_option(
       "--observations", options.observations,
       "Feature-level data: folder in the format of Open-Structure, or synthetic:walk; implies --no-mapper");

@@ -84,12 +84,21 @@ TEST(FrameInput, NamesWhatItDoesNotKnow) {
   for (const auto& [options, expected] : std::vector<std::pair<InputOptions, std::string>>{
            {{.dataset = "/no/such/folder"}, "/no/such/folder"},
            {{.dataset = "synthetic:castle"}, "castle"},
+           {{.dataset = "synthetic:corner:dance"}, "dance"},
            {{.dataset = "synthetic:corner", .camera = "camera9"}, "camera9"},
            {{.dataset = "synthetic:corner", .camera = "", .max_frames = -1}, "negative"}}) {
     const auto input = services::open_input(options);
     ASSERT_FALSE(input.has_value()) << expected;
     EXPECT_THAT(input.error().message, HasSubstr(expected));
   }
+}
+
+TEST(FrameInput, SyntheticScenesTakeAnotherTrajectory) {
+  const auto input = services::open_input({.dataset = "synthetic:room:spin", .camera = "", .max_frames = 20});
+  ASSERT_TRUE(input.has_value()) << input.error().message;
+  const auto poses = (*input)->ground_truth();
+  ASSERT_EQ(poses.size(), 20U);
+  EXPECT_EQ(poses.front().world_from_camera.translation, poses.back().world_from_camera.translation);
 }
 
 TEST(FrameInput, SyntheticScenesTakeAnyCamera) {
