@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "common/geometry/so3.hpp"
 
@@ -17,12 +18,36 @@ bool same_class(DirectionKind a, DirectionKind b) {
   return (a == DirectionKind::plane_normal) == (b == DirectionKind::plane_normal);
 }
 
-/// -2 ln of the likelihood ratio of a chance match to an exact one: `candidates` landmarks lie anywhere in the gate of
-/// th_vd, the true one within the spread of the measurement.
-double chance_chi2(int candidates, const Eigen::Matrix2d& spread, double max_angle) {
+/// A direction of the frame turned into the world.
+struct TurnedDirection {
+  Eigen::Vector3d direction;
+  Eigen::Matrix3d covariance;                ///< of the measurement
+  Eigen::Matrix3d covariance_with_rotation;  ///< and of the rotation that turned it
+
+  TurnedDirection(const features::DirectionFeature& feature, const Eigen::Matrix3d& world_from_camera,
+                  const Eigen::Matrix3d& rotation_covariance)
+      : direction(world_from_camera * feature.direction),
+        covariance(world_from_camera * feature.covariance * world_from_camera.transpose()),
+        covariance_with_rotation(direction_covariance_in_world(feature, world_from_camera, rotation_covariance)) {}
+};
+
+/// -2 ln of the likelihood ratio of a chance match, which lies anywhere in the gate of th_vd, to an exact one, which
+/// lies within the spread of the measurement.
+double chance_chi2(const Eigen::Matrix2d& spread, double max_angle) {
   const double gate = std::numbers::pi * max_angle * max_angle;
-  const double ellipse = 2.0 * std::numbers::pi * std::sqrt(spread.determinant());
-  return std::max(0.0, 2.0 * std::log(gate / (candidates * ellipse)));
+  return 2.0 * std::log(gate / (2.0 * std::numbers::pi * std::sqrt(spread.determinant())));
+}
+
+Association compare(std::size_t feature, const TurnedDirection& seen, const DirectionLandmark& landmark,
+                    double max_angle) {
+  const Eigen::Matrix<double, 3, 2> basis = geometry::tangent_basis(landmark.direction);
+  const auto spread = [&](const Eigen::Matrix3d& covariance) -> Eigen::Matrix2d {
+    return basis.transpose() * (covariance + landmark.covariance) * basis + kMinVariance * Eigen::Matrix2d::Identity();
+  };
+  const double sign = seen.direction.dot(landmark.direction) < 0.0 ? -1.0 : 1.0;
+  const Eigen::Vector2d difference = basis.transpose() * (sign * seen.direction);
+  const double chi2 = difference.dot(spread(seen.covariance_with_rotation).inverse() * difference);
+  return {feature, landmark.id, sign, chi2, chance_chi2(spread(seen.covariance), max_angle)};
 }
 
 }  // namespace
@@ -35,44 +60,44 @@ Eigen::Matrix3d direction_covariance_in_world(const features::DirectionFeature& 
          lever * rotation_covariance * lever.transpose();
 }
 
+std::vector<Association> candidates(std::span<const features::DirectionFeature> directions,
+                                    std::span<const DirectionLandmark> landmarks,
+                                    const Eigen::Matrix3d& world_from_camera,
+                                    const Eigen::Matrix3d& rotation_covariance, const AssociationOptions& options) {
+  const double min_cosine = std::cos(options.max_angle);
+  std::vector<Association> found;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const TurnedDirection seen(directions[i], world_from_camera, rotation_covariance);
+    const std::size_t first = found.size();
+    int chances = 0;
+    for (const DirectionLandmark& landmark : landmarks) {
+      if (!same_class(directions[i].kind, landmark.kind)) continue;
+      if (std::abs(seen.direction.dot(landmark.direction)) < min_cosine) continue;
+      ++chances;
+      const Association candidate = compare(i, seen, landmark, options.max_angle);
+      if (candidate.chi2 < options.max_chi2) found.push_back(candidate);
+    }
+    for (Association& candidate : std::span(found).subspan(first)) {
+      candidate.outlier_chi2 = std::max(0.0, candidate.outlier_chi2 - 2.0 * std::log(chances));
+    }
+  }
+  return found;
+}
+
 std::vector<Association> associate(std::span<const features::DirectionFeature> directions,
                                    std::span<const DirectionLandmark> landmarks,
                                    const Eigen::Matrix3d& world_from_camera, const Eigen::Matrix3d& rotation_covariance,
                                    const AssociationOptions& options) {
-  const double min_cosine = std::cos(options.max_angle);
-  std::vector<Association> associations;
-  for (std::size_t i = 0; i < directions.size(); ++i) {
-    const features::DirectionFeature& feature = directions[i];
-    const Eigen::Vector3d in_world = world_from_camera * feature.direction;
-    const Eigen::Matrix3d measured = world_from_camera * feature.covariance * world_from_camera.transpose();
-    const Eigen::Matrix3d covariance = direction_covariance_in_world(feature, world_from_camera, rotation_covariance);
-    Association best{i, {}, 1.0, 0.0};
-    double best_chi2 = options.max_chi2;
-    Eigen::Matrix2d best_spread = Eigen::Matrix2d::Identity();
-    int candidates = 0;
-    for (const DirectionLandmark& landmark : landmarks) {
-      const double cosine = in_world.dot(landmark.direction);
-      if (std::abs(cosine) < min_cosine || !same_class(feature.kind, landmark.kind)) continue;
-      ++candidates;
-      const double sign = cosine < 0.0 ? -1.0 : 1.0;
-      const Eigen::Matrix<double, 3, 2> basis = geometry::tangent_basis(landmark.direction);
-      const Eigen::Vector2d difference = basis.transpose() * (sign * in_world);
-      const Eigen::Matrix2d spread =
-          basis.transpose() * (covariance + landmark.covariance) * basis + kMinVariance * Eigen::Matrix2d::Identity();
-      const double chi2 = difference.dot(spread.inverse() * difference);
-      if (chi2 < best_chi2) {
-        best_chi2 = chi2;
-        best.landmark = landmark.id;
-        best.sign = sign;
-        best_spread =
-            basis.transpose() * (measured + landmark.covariance) * basis + kMinVariance * Eigen::Matrix2d::Identity();
-      }
+  std::vector<Association> best;
+  for (const Association& candidate :
+       candidates(directions, landmarks, world_from_camera, rotation_covariance, options)) {
+    if (best.empty() || best.back().feature != candidate.feature) {
+      best.push_back(candidate);
+    } else if (candidate.chi2 < best.back().chi2) {
+      best.back() = candidate;
     }
-    if (!best.landmark.valid()) continue;
-    best.outlier_chi2 = chance_chi2(candidates, best_spread, options.max_angle);
-    associations.push_back(best);
   }
-  return associations;
+  return best;
 }
 
 }  // namespace eg::egraph

@@ -19,14 +19,22 @@ struct Association {
   std::size_t feature = 0;  ///< index into the frame's directions
   LandmarkId landmark;
   double sign = 1.0;  ///< multiplies the feature's direction (paper, equation 8)
+  double chi2 = 0.0;  ///< of the difference between direction and landmark
   /// Where the match becomes as likely by chance as by truth: see DirectionPair. A vague direction, or one that has
   /// many landmarks within the gate, fits somewhere anyhow.
   double outlier_chi2 = 0.0;
 };
 
-/// Rotates each direction into the world and gives it to the landmark that it fits best, within the gates. Plane
-/// normals go with planes, vanishing and potential directions with each other. Several features may view one landmark:
-/// parallel walls have one normal. `rotation_covariance`: rad², of world_from_camera, left perturbation.
+/// Rotates each direction into the world and lists the landmarks within the gates, the directions one after the other.
+/// Plane normals go with planes, vanishing and potential directions with each other. `rotation_covariance`: rad², of
+/// world_from_camera, left perturbation.
+std::vector<Association> candidates(std::span<const features::DirectionFeature> directions,
+                                    std::span<const DirectionLandmark> landmarks,
+                                    const Eigen::Matrix3d& world_from_camera,
+                                    const Eigen::Matrix3d& rotation_covariance, const AssociationOptions& options = {});
+
+/// Of each direction's candidates the one that fits best. Several directions may view one landmark: parallel walls have
+/// one normal.
 std::vector<Association> associate(std::span<const features::DirectionFeature> directions,
                                    std::span<const DirectionLandmark> landmarks,
                                    const Eigen::Matrix3d& world_from_camera, const Eigen::Matrix3d& rotation_covariance,

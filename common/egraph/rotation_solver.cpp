@@ -50,24 +50,62 @@ bool agrees(const DirectionPair& pair, const Eigen::Matrix3d& j_from_k, const Ro
 
 double total_variance(const DirectionPair& pair) { return pair.covariance_j.trace() + pair.covariance_k.trace(); }
 
-struct Vote {
-  double cost = 0.0;  ///< -2 ln likelihood, up to a constant
-  int agreeing = 0;
+bool alternatives(const DirectionPair& a, const DirectionPair& b) {
+  return a.observation >= 0 && a.observation == b.observation;
+}
+
+/// One observation's alternatives: pairs [begin, end).
+struct Observation {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  double outlier_chi2 = 0.0;
 };
 
-Vote vote(std::span<const DirectionPair> pairs, const Eigen::Matrix3d& j_from_k, const RotationOptions& options) {
-  Vote result;
-  for (const DirectionPair& pair : pairs) {
-    double chi2 = 0.0;
-    const bool agreeing = agrees(pair, j_from_k, options, chi2);
-    result.cost += agreeing ? std::min(chi2, pair.outlier_chi2) : pair.outlier_chi2;
-    result.agreeing += agreeing ? 1 : 0;
+std::vector<Observation> group(std::span<const DirectionPair> pairs) {
+  std::vector<Observation> observations;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i == 0 || !alternatives(pairs[i], pairs[i - 1])) observations.push_back({i, i, 0.0});
+    observations.back().end = i + 1;
+    observations.back().outlier_chi2 = std::max(observations.back().outlier_chi2, pairs[i].outlier_chi2);
   }
-  return result;
+  return observations;
+}
+
+/// The alternative that fits best among those that agree; pairs.size() if none does.
+std::size_t best_alternative(const Observation& observation, std::span<const DirectionPair> pairs,
+                             const Eigen::Matrix3d& j_from_k, const RotationOptions& options, double& best_chi2) {
+  std::size_t best = pairs.size();
+  best_chi2 = options.inlier_chi2;
+  for (std::size_t i = observation.begin; i < observation.end; ++i) {
+    double chi2 = 0.0;
+    if (!agrees(pairs[i], j_from_k, options, chi2) || chi2 >= best_chi2) continue;
+    best_chi2 = chi2;
+    best = i;
+  }
+  return best;
+}
+
+/// -2 ln of the likelihood of a rotation up to a constant; infinite if fewer than two observations agree with it, or if
+/// it reaches `enough` on the way.
+double cost_of(const Eigen::Matrix3d& j_from_k, std::span<const Observation> observations,
+               std::span<const DirectionPair> pairs, const RotationOptions& options, const RotationPrior& prior,
+               double enough) {
+  double cost = std::pow(geometry::rotation_angle_between(j_from_k, prior.j_from_k) / prior.sigma, 2.0);
+  int agreeing = 0;
+  for (const Observation& observation : observations) {
+    double chi2 = 0.0;
+    const bool agrees = best_alternative(observation, pairs, j_from_k, options, chi2) < pairs.size();
+    cost += agrees ? std::min(chi2, observation.outlier_chi2) : observation.outlier_chi2;
+    agreeing += agrees ? 1 : 0;
+    if (cost >= enough) break;
+  }
+  return agreeing < 2 || cost >= enough ? std::numeric_limits<double>::infinity() : cost;
 }
 
 /// The most likely of the rotations of all couples of pairs that at least two pairs agree with.
-std::optional<Eigen::Matrix3d> best_hypothesis(std::span<const DirectionPair> pairs, const RotationOptions& options) {
+std::optional<Eigen::Matrix3d> best_hypothesis(std::span<const DirectionPair> pairs,
+                                               std::span<const Observation> observations,
+                                               const RotationOptions& options, const RotationPrior& prior) {
   std::vector<std::size_t> order(pairs.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
@@ -80,10 +118,11 @@ std::optional<Eigen::Matrix3d> best_hypothesis(std::span<const DirectionPair> pa
     for (std::size_t b = a + 1; b < count; ++b) {
       const DirectionPair& first = pairs[order[a]];
       const DirectionPair& second = pairs[order[b]];
+      if (alternatives(first, second)) continue;
       const auto rotation = rotation_from_two({first.in_j, second.in_j}, {first.in_k, second.in_k});
       if (!rotation) continue;
-      const auto [cost, agreeing] = vote(pairs, *rotation, options);
-      if (agreeing < 2 || cost >= best_cost) continue;
+      const double cost = cost_of(*rotation, observations, pairs, options, prior, best_cost);
+      if (cost >= best_cost) continue;
       best_cost = cost;
       best = rotation;
     }
@@ -153,11 +192,13 @@ std::optional<Eigen::Matrix3d> rotation_from_orthogonal(const std::array<Eigen::
   return geometry::nearest_rotation(triad_j * triad_k.transpose());
 }
 
-RotationEstimate estimate_rotation(std::span<const DirectionPair> pairs, const RotationOptions& options) {
+RotationEstimate estimate_rotation(std::span<const DirectionPair> pairs, const RotationOptions& options,
+                                   const RotationPrior& prior) {
   RotationEstimate estimate;
   estimate.inliers.assign(pairs.size(), false);
-  if (pairs.size() < 2) return estimate;
-  const auto hypothesis = best_hypothesis(pairs, options);
+  const std::vector<Observation> observations = group(pairs);
+  if (observations.size() < 2) return estimate;
+  const auto hypothesis = best_hypothesis(pairs, observations, options, prior);
   if (!hypothesis) {
     estimate.status = any_two_span_a_plane(pairs) ? RotationStatus::inconsistent : RotationStatus::degenerate;
     return estimate;
@@ -169,11 +210,13 @@ RotationEstimate estimate_rotation(std::span<const DirectionPair> pairs, const R
     information.setZero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     estimate.inlier_count = 0;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
+    estimate.inliers.assign(pairs.size(), false);
+    for (const Observation& observation : observations) {
       double chi2 = 0.0;
-      estimate.inliers[i] = agrees(pairs[i], rotation, options, chi2);
-      if (!estimate.inliers[i]) continue;
-      const PairResidual at(pairs[i], rotation);
+      const std::size_t best = best_alternative(observation, pairs, rotation, options, chi2);
+      if (best == pairs.size()) continue;
+      estimate.inliers[best] = true;
+      const PairResidual at(pairs[best], rotation);
       information += at.jacobian.transpose() * at.information * at.jacobian;
       gradient += at.jacobian.transpose() * at.information * at.residual;
       ++estimate.inlier_count;

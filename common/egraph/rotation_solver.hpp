@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,6 +21,8 @@ struct DirectionPair {
   /// What the pair costs at most when it disagrees: -2 ln of the likelihood ratio of a wrong pair to an exact one
   /// (MLESAC; Torr and Zisserman, 2000). Zero: the pair says nothing.
   double outlier_chi2 = 13.82;
+  /// Pairs of the same observation stand one behind the other and are alternatives: one of them at most is true.
+  std::int32_t observation = -1;  ///< -1: the pair is an observation of its own
 };
 
 /// Two directions closer to parallel than this carry too little of the rotation about themselves: at 10 degrees the
@@ -58,7 +62,7 @@ enum class RotationStatus {
 struct RotationOptions {
   double inlier_chi2 = 13.82;      ///< of a pair's two tangential residuals: the 99.9 % quantile of chi²(2)
   double max_inlier_angle = 0.09;  ///< radians (5°): no covariance excuses more than this
-  int max_hypothesis_pairs = 24;   ///< the most certain pairs build hypotheses, all of them vote
+  int max_hypothesis_pairs = 40;   ///< the most certain pairs build hypotheses, all of them vote
   int refinement_iterations = 8;
 };
 
@@ -67,13 +71,20 @@ struct RotationEstimate {
   Eigen::Matrix3d j_from_k = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< rad², of a left perturbation: R = exp(δ) j_from_k
   double smallest_eigenvalue = 0.0;                      ///< of the information matrix, rad⁻²
-  std::vector<bool> inliers;                             ///< one per pair
+  std::vector<bool> inliers;                             ///< one per pair, at most one per observation
   int inlier_count = 0;
+};
+
+/// What is known of the rotation beforehand: helps to choose among the hypotheses, and is no part of the estimate.
+struct RotationPrior {
+  Eigen::Matrix3d j_from_k = Eigen::Matrix3d::Identity();
+  double sigma = std::numeric_limits<double>::infinity();  ///< radians, of each turn
 };
 
 /// Consensus of the minimal solver over all couples of pairs by the likelihood of all pairs, then weighted least
 /// squares on SO(3) over the inliers (Wahba's problem with a full covariance per direction, Gauss-Newton).
 /// Deterministic.
-RotationEstimate estimate_rotation(std::span<const DirectionPair> pairs, const RotationOptions& options = {});
+RotationEstimate estimate_rotation(std::span<const DirectionPair> pairs, const RotationOptions& options = {},
+                                   const RotationPrior& prior = {});
 
 }  // namespace eg::egraph

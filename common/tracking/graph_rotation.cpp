@@ -1,6 +1,7 @@
 #include "common/tracking/graph_rotation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <span>
@@ -34,18 +35,24 @@ class Solver {
                              options_.association);
   }
 
+  [[nodiscard]] std::vector<Association> candidates(const Belief& belief) const {
+    return egraph::candidates(directions_, confirmed_, belief.camera_from_world.transpose(), belief.covariance,
+                              options_.association);
+  }
+
   [[nodiscard]] bool is_single_line(const Association& association) const {
     return directions_[association.feature].kind == DirectionKind::potential_direction;
   }
 
   [[nodiscard]] GraphRotation solve(Belief belief, bool with_single_lines) const {
     GraphRotation result;
+    const egraph::RotationPrior prior{belief.camera_from_world, std::sqrt(belief.covariance(0, 0))};
     // The second round associates with the rotation of the first: what lies close together is told apart.
     for (int round = 0; round < 2; ++round) {
-      result.associations = associate(belief);
+      result.associations = round == 0 ? candidates(belief) : associate(belief);
       if (!with_single_lines) std::erase_if(result.associations, [&](const auto& a) { return is_single_line(a); });
       const egraph::RotationEstimate estimate =
-          egraph::estimate_rotation(pairs(result.associations), options_.consensus);
+          egraph::estimate_rotation(pairs(result.associations), options_.consensus, prior);
       result.determined = estimate.status == egraph::RotationStatus::ok;
       if (!result.determined) return result;
       keep(estimate.inliers, result.associations);
@@ -64,7 +71,7 @@ class Solver {
       const features::DirectionFeature& seen = directions_[association.feature];
       const DirectionLandmark& landmark = *graph_.find_landmark(association.landmark);
       pairs.push_back({association.sign * seen.direction, landmark.direction, seen.covariance, landmark.covariance,
-                       association.outlier_chi2});
+                       association.outlier_chi2, static_cast<std::int32_t>(association.feature)});
     }
     return pairs;
   }

@@ -24,7 +24,8 @@ struct GraphRotationOptions {
   egraph::RotationOptions consensus;
 };
 
-/// Associates with the predicted rotation (`rotation_sigma`: radians) and solves. Planes and vanishing directions
+/// Associates with the predicted rotation (`rotation_sigma`: radians) and solves: the consensus chooses among all
+/// landmarks that the prediction allows for a direction. Planes and vanishing directions
 /// decide; single lines join where those do not suffice, and are associated with the result elsewhere.
 GraphRotation estimate_rotation_from_graph(const features::FrameFeatures& features, const egraph::Graph& graph,
                                            const Eigen::Matrix3d& predicted_camera_from_world, double rotation_sigma,

@@ -75,6 +75,58 @@ TEST(EstimateRotation, ManyVaguePairsDoNotOutvoteTwoWalls) {
   EXPECT_LT(rotation_angle_between(estimate_rotation(pairs).j_from_k, wrong), 0.1 * kDegree);
 }
 
+TEST(EstimateRotation, ChoosesAmongAlternatives) {
+  // Each direction may be one of three neighbours; the wrong ones lie first, and to different sides.
+  base::Random random(13);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Matrix3d truth = random_rotation(random);
+    std::vector<DirectionPair> pairs;
+    for (int observation = 0; observation < 5; ++observation) {
+      const DirectionPair right = noisy_pair(truth, random_direction(random), 0.001, 0.001, random);
+      for (int alternative = 0; alternative < 3; ++alternative) {
+        pairs.push_back(right);
+        pairs.back().observation = observation;
+        if (alternative < 2) pairs.back().in_k = disturbed_direction(right.in_k, 3.0 * kDegree, random);
+      }
+    }
+    const RotationEstimate estimate = estimate_rotation(pairs);
+    ASSERT_EQ(estimate.status, RotationStatus::ok);
+    EXPECT_LT(rotation_angle_between(estimate.j_from_k, truth), 0.5 * kDegree);
+    for (std::size_t i = 0; i < pairs.size(); i += 3) {
+      EXPECT_LE(estimate.inliers[i] + estimate.inliers[i + 1] + estimate.inliers[i + 2], 1);
+    }
+  }
+}
+
+TEST(EstimateRotation, OneObservationIsTooFew) {
+  std::vector<DirectionPair> pairs = {exact_pair(Matrix3d::Identity(), Vector3d::UnitX(), 0.01),
+                                      exact_pair(Matrix3d::Identity(), Vector3d::UnitY(), 0.01)};
+  EXPECT_EQ(estimate_rotation(pairs).status, RotationStatus::ok);
+  for (DirectionPair& pair : pairs) pair.observation = 0;
+  EXPECT_EQ(estimate_rotation(pairs).status, RotationStatus::too_few);
+}
+
+TEST(EstimateRotation, ThePriorDecidesWhatTheDirectionsLeaveOpen) {
+  // Three orthogonal walls look the same after a quarter turn when each wall may be any of the landmarks.
+  const Matrix3d quarter = geometry::so3_exp({0.0, 0.0, 90.0 * kDegree});
+  std::vector<DirectionPair> pairs;
+  for (int wall = 0; wall < 3; ++wall) {
+    for (int landmark = 0; landmark < 3; ++landmark) {
+      for (const double sign : {1.0, -1.0}) {
+        pairs.push_back(exact_pair(Matrix3d::Identity(), Matrix3d::Identity().col(landmark), 0.01));
+        pairs.back().in_j = sign * Matrix3d::Identity().col(wall);
+        pairs.back().observation = wall;
+      }
+    }
+  }
+  for (const Matrix3d& truth : {Matrix3d(Matrix3d::Identity()), quarter}) {
+    const RotationPrior prior{geometry::so3_exp({0.05, -0.1, 0.1}) * truth, 0.2};
+    const RotationEstimate estimate = estimate_rotation(pairs, {}, prior);
+    ASSERT_EQ(estimate.status, RotationStatus::ok);
+    EXPECT_LT(rotation_angle_between(estimate.j_from_k, truth), 1e-6) << "the prior chooses, but does not pull";
+  }
+}
+
 TEST(EstimateRotation, ExactDataWithoutCovarianceIsNoDivisionByZero) {
   const Matrix3d truth = geometry::so3_exp({0.3, -0.2, 0.5});
   const std::vector<DirectionPair> pairs = {exact_pair(truth, Vector3d::UnitX(), 0.0),
