@@ -14,12 +14,15 @@ namespace {
 /// Added to the block that is marginalised out, so that what is unobserved there counts as unknown, not as singular.
 constexpr double kWeak = 1e-6;
 
-double worst_sigma(const Eigen::Matrix3d& kept, const Eigen::Matrix3d& cross, const Eigen::Matrix3d& other) {
+/// Eigenvalues ascend: the first is the worst.
+Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> marginal(const Eigen::Matrix3d& kept, const Eigen::Matrix3d& cross,
+                                                        const Eigen::Matrix3d& other) {
   const Eigen::Matrix3d open = other + kWeak * Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d marginal = kept - cross * open.ldlt().solve(cross.transpose());
-  const double smallest =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(marginal, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  return smallest > kWeak ? 1.0 / std::sqrt(smallest) : std::numeric_limits<double>::infinity();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(kept - cross * open.ldlt().solve(cross.transpose()));
+}
+
+double sigma_of(double information) {
+  return information > kWeak ? 1.0 / std::sqrt(information) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -28,7 +31,23 @@ Observability observability(const Matrix6d& information) {
   const Eigen::Matrix3d rotation = information.topLeftCorner<3, 3>();
   const Eigen::Matrix3d translation = information.bottomRightCorner<3, 3>();
   const Eigen::Matrix3d cross = information.topRightCorner<3, 3>();
-  return {worst_sigma(rotation, cross, translation), worst_sigma(translation, cross.transpose(), rotation)};
+  const auto turns = marginal(rotation, cross, translation);
+  const auto shifts = marginal(translation, cross.transpose(), rotation);
+  return {sigma_of(turns.eigenvalues()[0]), sigma_of(turns.eigenvalues()[1]), turns.eigenvectors().col(0),
+          sigma_of(shifts.eigenvalues()[0])};
+}
+
+geometry::Pose keep_predicted_where_unobserved(const geometry::Pose& predicted, const geometry::Pose& solved,
+                                               const Matrix6d& information, double max_translation_sigma) {
+  const auto shifts = marginal(information.bottomRightCorner<3, 3>(), information.bottomLeftCorner<3, 3>(),
+                               information.topLeftCorner<3, 3>());
+  Vector6d step = pose_difference(predicted, solved);
+  const Eigen::Vector3d shift = step.tail<3>();
+  for (int i = 0; i < 3; ++i) {
+    if (sigma_of(shifts.eigenvalues()[i]) <= max_translation_sigma) continue;
+    step.tail<3>() -= shifts.eigenvectors().col(i).dot(shift) * shifts.eigenvectors().col(i);
+  }
+  return perturb(predicted, step);
 }
 
 Matrix6d world_covariance(const Matrix6d& information, const MotionPrior& prior,

@@ -55,6 +55,7 @@ struct Tracker::Frame {
   Matches matches{};
   PoseProblem problem{};
   PoseSolution solution{};
+  std::optional<Eigen::Vector3d> unseen_turn{};  ///< axis, camera frame, about which nothing was measured
 };
 
 Tracker::Tracker(TrackerOptions options) : options_(options), motion_(options.motion), policy_(options.keyframes) {}
@@ -86,10 +87,21 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
     if (lost_) return finish(frame, TrackingState::relocalised, "found near the last pose");
     return finish(frame, TrackingState::tracking, "");
   }
+  frame.camera_from_world = keep_predicted_where_unobserved(frame.prediction.camera_from_world, frame.camera_from_world,
+                                                            frame.solution.information, options_.max_translation_sigma);
   if (observed.rotation_sigma < options_.max_rotation_sigma) {
     return finish(frame, TrackingState::rotation_only, "matches do not determine the translation");
   }
+  if (follows_one_wall(frame, observed)) {
+    frame.unseen_turn = observed.worst_turn;
+    return finish(frame, TrackingState::rotation_only, "a single direction in view: the turn about it is predicted");
+  }
   return recover(features, "matches determine neither rotation nor translation");
+}
+
+bool Tracker::follows_one_wall(const Frame& frame, const Observability& observed) const {
+  return !lost_ && frame.solution.inlier_planes() > 0 && observed.second_rotation_sigma < options_.max_rotation_sigma &&
+         motion_.unseen_turn_sigma() < options_.max_unseen_turn;
 }
 
 TrackResult Tracker::initialise(const FrameFeatures& features) {
@@ -219,8 +231,10 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
     estimate.covariance.topLeftCorner<3, 3>() += kMinRotationVariance * Eigen::Matrix3d::Identity();
   }
   lost_ = false;
+  motion_.update(frame.features.header.utime, frame.camera_from_world, state != TrackingState::rotation_only,
+                 frame.unseen_turn);
+  if (frame.unseen_turn) return result;  // a guess: neither for the map nor for the graph
   last_measured_utime_ = frame.features.header.utime;
-  motion_.update(frame.features.header.utime, frame.camera_from_world, state != TrackingState::rotation_only);
 
   map_.count_visibility(visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world), {},
                         frame.matches);

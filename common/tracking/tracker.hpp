@@ -12,6 +12,7 @@
 #include "common/tracking/map.hpp"
 #include "common/tracking/matcher.hpp"
 #include "common/tracking/motion_model.hpp"
+#include "common/tracking/observability.hpp"
 #include "common/tracking/pose_estimate.hpp"
 #include "common/tracking/pose_optimizer.hpp"
 #include "common/tracking/relocaliser.hpp"
@@ -34,6 +35,7 @@ struct TrackerOptions {
   int relocalisation_candidates = 4;         ///< keyframes tried per lost frame
   double max_translation_sigma = 0.05;       ///< metres: worse is `rotation_only`
   double max_rotation_sigma = 0.0175;        ///< radians (1°): worse is `lost`
+  double max_unseen_turn = 0.14;             ///< radians (8°): beyond it the next wall is not told from its neighbours
   std::int64_t max_blind_utime = 2'000'000;  ///< microseconds for which the last pose still says where to look
   int min_points_without_planes = 7;         ///< fewer agreeing points are no proof of a pose
   int min_expected_points = 20;  ///< so many, and hardly one found: planes that fit are another room corner's
@@ -74,6 +76,8 @@ class Tracker {
   void refine_against_map(Frame& frame) const;
   void match_and_build_problem(Frame& frame, double radius) const;
   void keep_inliers(Frame& frame) const;
+  /// Whether one wall holds two turns and a distance while the third turn has been predicted for a short time only.
+  [[nodiscard]] bool follows_one_wall(const Frame& frame, const Observability& observed) const;
   /// After a loss: many points are expected and many are seen, but they are not the same.
   [[nodiscard]] bool points_contradict(const Frame& frame) const;
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
