@@ -66,8 +66,9 @@ TrackResult Tracker::track(const FrameFeatures& features) {
 }
 
 TrackResult Tracker::track_parts(const FrameFeatures& features) {
-  if (features.header.utime <= last_utime_) return refuse(features, "time stamp is not later than the last frame's");
-  last_utime_ = features.header.utime;
+  if (std::string objection = time_objection(features.header.utime); !objection.empty()) {
+    return refuse(features, std::move(objection));
+  }
   if (map_.empty()) return initialise(features);
   const std::int64_t blind = features.header.utime - last_measured_utime_;
   if (lost_ && blind > options_.max_blind_utime) return recover(features, "searching for a known place");
@@ -102,6 +103,20 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
 bool Tracker::follows_one_wall(const Frame& frame, const Observability& observed) const {
   return !lost_ && frame.solution.inlier_planes() > 0 && observed.second_rotation_sigma < options_.max_rotation_sigma &&
          motion_.unseen_turn_sigma() < options_.max_unseen_turn;
+}
+
+std::string Tracker::time_objection(std::int64_t utime) {
+  if (utime <= last_utime_) return "refused: time stamp is not later than the last frame's";
+  const bool leaps = last_utime_ >= 0 && utime - last_utime_ > options_.max_leap_utime;
+  const bool confirmed = leap_utime_ >= 0 && utime > leap_utime_ && utime - leap_utime_ <= options_.max_leap_utime;
+  if (leaps && !confirmed) {
+    // A single wrong stamp from the future must not shut out every frame after it.
+    leap_utime_ = utime;
+    return "refused: time stamp leaps far ahead, the next frame has to confirm it";
+  }
+  leap_utime_ = -1;
+  last_utime_ = utime;
+  return {};
 }
 
 TrackResult Tracker::initialise(const FrameFeatures& features) {
@@ -200,15 +215,14 @@ TrackResult Tracker::recover(const FrameFeatures& features, const std::string& w
   }
   next_candidate_ += static_cast<std::size_t>(options_.relocalisation_candidates - 1);
   lost_ = true;
-  TrackResult result = refuse(features, why);
-  result.estimate.state = TrackingState::lost;
-  return result;
+  state_ = TrackingState::lost;
+  return refuse(features, why);
 }
 
 TrackResult Tracker::refuse(const FrameFeatures& features, std::string reason) const {
   TrackResult result;
   result.estimate.header = features.header;
-  result.estimate.state = map_.empty() ? TrackingState::initialising : TrackingState::lost;
+  result.estimate.state = state_;  // a frame that is refused changes nothing
   result.estimate.reason = std::move(reason);
   return result;
 }
@@ -231,6 +245,7 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
     estimate.covariance.topLeftCorner<3, 3>() += kMinRotationVariance * Eigen::Matrix3d::Identity();
   }
   lost_ = false;
+  state_ = state;
   motion_.update(frame.features.header.utime, frame.camera_from_world, state != TrackingState::rotation_only,
                  frame.unseen_turn);
   if (frame.unseen_turn) return result;  // a guess: neither for the map nor for the graph

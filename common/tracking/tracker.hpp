@@ -36,6 +36,7 @@ struct TrackerOptions {
   double max_translation_sigma = 0.05;       ///< metres: worse is `rotation_only`
   double max_rotation_sigma = 0.0175;        ///< radians (1°): worse is `lost`
   double max_unseen_turn = 0.14;             ///< radians (8°): beyond it the next wall is not told from its neighbours
+  std::int64_t max_leap_utime = 60'000'000;  ///< microseconds; a longer leap ahead takes two frames to be believed
   std::int64_t max_blind_utime = 2'000'000;  ///< microseconds for which the last pose still says where to look
   int min_points_without_planes = 7;         ///< fewer agreeing points are no proof of a pose
   int min_expected_points = 20;  ///< so many, and hardly one found: planes that fit are another room corner's
@@ -70,6 +71,8 @@ class Tracker {
   TrackResult recover(const features::FrameFeatures& features, const std::string& why);
   TrackResult finish(Frame& frame, TrackingState state, std::string reason);
   TrackResult refuse(const features::FrameFeatures& features, std::string reason) const;
+  /// Why a frame of this time cannot be the next one; empty if it can.
+  std::string time_objection(std::int64_t utime);
 
   void follow_graph_rotation(Frame& frame) const;
   void estimate_translation_with_rotation_fixed(Frame& frame) const;
@@ -91,7 +94,9 @@ class Tracker {
   Map map_;
   MotionModel motion_;
   KeyframePolicy policy_;
+  TrackingState state_ = TrackingState::initialising;  ///< after the last frame that was not refused
   std::int64_t last_utime_ = -1;
+  std::int64_t leap_utime_ = -1;           ///< of a refused frame that came from far ahead
   std::int64_t last_measured_utime_ = -1;  ///< when the rotation was last determined
   bool lost_ = false;
   std::size_t next_candidate_ = 0;  ///< round robin over keyframes while lost

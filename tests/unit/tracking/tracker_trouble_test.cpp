@@ -103,6 +103,42 @@ TEST_P(TrackerInTrouble, TimeNeverRunsBackwards) {
   EXPECT_EQ(next.state, TrackingState::tracking) << "a refused frame is not lost track";
 }
 
+TEST_P(TrackerInTrouble, ARefusedFrameChangesNoState) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 8);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 20; ++i) slam.step(sequence.frames[i]);
+  const PoseEstimate doubled = slam.step(sequence.frames[19]);
+  EXPECT_EQ(doubled.state, TrackingState::tracking);
+  EXPECT_FALSE(doubled.has_pose);
+  EXPECT_NE(doubled.reason, "");
+}
+
+TEST_P(TrackerInTrouble, OneStampFromTheFutureDoesNotShutOutTheNextFrames) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 8);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 20; ++i) slam.step(sequence.frames[i]);
+  FrameFeatures future = sequence.frames[20];
+  future.header.utime += 1'000'000'000'000;
+  const PoseEstimate refused = slam.step(future);
+  EXPECT_FALSE(refused.has_pose);
+  EXPECT_NE(refused.reason.find("time"), std::string::npos) << refused.reason;
+  EXPECT_EQ(slam.step(sequence.frames[21]).state, TrackingState::tracking);
+}
+
+TEST_P(TrackerInTrouble, ALongPauseTakesTwoFramesToBeBelieved) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 8);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 20; ++i) slam.step(sequence.frames[i]);
+  std::vector<PoseEstimate> after;
+  for (std::size_t i = 20; i < 26; ++i) {
+    FrameFeatures later = sequence.frames[i];
+    later.header.utime += 600'000'000;
+    after.push_back(slam.step(later));
+  }
+  EXPECT_FALSE(after.front().has_pose);
+  EXPECT_TRUE(after.back().has_pose) << after.back().reason;
+}
+
 TEST_P(TrackerInTrouble, AFrameFromAnotherWorldIsNoKeyframe) {
   const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 9);
   test::RoomOptions elsewhere;
