@@ -12,6 +12,7 @@ inline constexpr char kGraphRequest[] = "EGRAPH_REQUEST";     ///< anyone → eg
 inline constexpr char kGraphSnapshot[] = "EGRAPH";            ///< egraph_server → whoever asked
 inline constexpr char kPoseCorrection[] = "POSE_CORRECTION";  ///< egraph_server, tracker → mapper, tracker; state
 inline constexpr char kMeshChunk[] = "MESH_CHUNK";            ///< mapper → viewers; state
+inline constexpr char kMeshRequest[] = "MESH_REQUEST";        ///< viewers → mapper: please send everything again
 inline constexpr char kStatus[] = "STATUS";                   ///< every service at 1 Hz; stream
 inline constexpr char kAcknowledge[] = "ACKNOWLEDGE";     ///< consumers → frame_source: a frame is done (lockstep)
 inline constexpr char kEndOfStream[] = "END_OF_STREAM";   ///< frame_source → everyone, until acknowledged

@@ -50,6 +50,7 @@ Bytes encode(const egraph::GraphUpdate& update);
 Bytes encode(const egraph::GraphSnapshot& snapshot);
 Bytes encode(const mapping::MeshChunk& chunk);
 Bytes encode(const GraphRequest& request);
+Bytes encode(const MeshRequest& request);
 Bytes encode(const Acknowledge& acknowledge);
 Bytes encode(const EndOfStream& end);
 Bytes encode(const Control& control);
@@ -80,6 +81,8 @@ template <>
 base::Result<mapping::MeshChunk> decode(ByteView bytes);
 template <>
 base::Result<GraphRequest> decode(ByteView bytes);
+template <>
+base::Result<MeshRequest> decode(ByteView bytes);
 template <>
 base::Result<Acknowledge> decode(ByteView bytes);
 template <>

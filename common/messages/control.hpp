@@ -46,6 +46,11 @@ struct GraphRequest {
   std::int64_t have_version = 0;  ///< what the asker has; 0: nothing
 };
 
+/// Asks the mappers to send their whole mesh again.
+struct MeshRequest {
+  std::int64_t session = 0;
+};
+
 /// How a service is doing. Latency: from receiving a message to having published its result, milliseconds.
 struct ServiceStatus {
   std::int64_t utime = 0;

@@ -3,6 +3,7 @@
 #include <egraph_msgs/control_t.hpp>
 #include <egraph_msgs/end_of_stream_t.hpp>
 #include <egraph_msgs/graph_request_t.hpp>
+#include <egraph_msgs/mesh_request_t.hpp>
 
 #include "common/messages/codec.hpp"
 #include "common/messages/guard.hpp"
@@ -18,6 +19,12 @@ base::Result<GraphRequest> decode_request(ByteView bytes) {
   const Path path;
   Checker check;
   return checked(GraphRequest{wire->session, read_counter(wire->have_version, path("have_version"), check)}, check);
+}
+
+base::Result<MeshRequest> decode_mesh_request(ByteView bytes) {
+  return decode_wire<egraph_msgs::mesh_request_t>(bytes, {}, {}).map([](const egraph_msgs::mesh_request_t& wire) {
+    return MeshRequest{wire.session};
+  });
 }
 
 base::Result<Acknowledge> decode_acknowledge(ByteView bytes) {
@@ -70,6 +77,12 @@ Bytes encode(const GraphRequest& request) {
   return encode_wire(wire);
 }
 
+Bytes encode(const MeshRequest& request) {
+  egraph_msgs::mesh_request_t wire{};
+  wire.session = request.session;
+  return encode_wire(wire);
+}
+
 Bytes encode(const Acknowledge& acknowledge) {
   egraph_msgs::acknowledge_t wire{};
   wire.session = acknowledge.session;
@@ -107,6 +120,11 @@ Bytes encode(const ControlReply& reply) {
 template <>
 base::Result<GraphRequest> decode(ByteView bytes) {
   return guarded<GraphRequest>([&] { return decode_request(bytes); });
+}
+
+template <>
+base::Result<MeshRequest> decode(ByteView bytes) {
+  return guarded<MeshRequest>([&] { return decode_mesh_request(bytes); });
 }
 
 template <>

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "services/eval/commands.hpp"
+#include "services/eval/report_command.hpp"
 #include "services/eval/table_command.hpp"
 
 namespace {
@@ -33,6 +34,7 @@ struct Arguments {
   std::string groundtruth;
   bool json = false;
   eg::service::PictureFiles picture;
+  eg::service::ReportFiles report;
   std::string out;
   bool y_up = false;
   std::string root;
@@ -58,6 +60,17 @@ CLI::App* add_render_command(CLI::App& app, Arguments& arguments) {
   command->add_option("--out", arguments.out, "PNG file to write")->required();
   command->add_flag("--y-up", arguments.y_up, "the camera has a negative fy (ICL-NUIM): its y axis points up");
   command->add_flag("--json", arguments.json, "print JSON");
+  return command;
+}
+
+CLI::App* add_report_command(CLI::App& app, Arguments& arguments) {
+  CLI::App* command = app.add_subcommand("report", "describe a run in one report.html in its folder");
+  command->add_option("FOLDER", arguments.report.folder, "what egraph-run --out has written")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  command->add_option("--groundtruth", arguments.report.groundtruth, "true trajectory (TUM format)");
+  command->add_option("--config", arguments.report.config, "YAML configuration that the run had");
+  command->add_flag("--y-up", arguments.y_up, "the camera has a negative fy (ICL-NUIM): its y axis points up");
   return command;
 }
 
@@ -90,6 +103,7 @@ int main(int argc, char** argv) {
   estimate->needs(truth);
   truth->needs(estimate);
   const auto* render = add_render_command(app, arguments);
+  const auto* report = add_report_command(app, arguments);
   const auto* table = add_runs_command(
       app, arguments, "table", "run egraph-run on every known sequence, print the paper's tables with our column");
   auto* ablation = add_runs_command(app, arguments, "ablation", "the same with parts switched off by configurations");
@@ -113,6 +127,7 @@ int main(int argc, char** argv) {
   if (edges->parsed()) {
     return finish(render_edges(arguments.estimate, arguments.y_up, arguments.out), arguments.json);
   }
+  if (report->parsed()) return finish(report_run(arguments.report, arguments.y_up), false);
   if (table->parsed()) return finish(print_table(arguments.root, arguments.plan));
   if (ablation->parsed()) return finish(print_ablation(arguments.root, arguments.configs, arguments.plan));
   std::optional<MeshAlignment> alignment;

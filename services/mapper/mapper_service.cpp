@@ -33,6 +33,10 @@ MapperService::MapperService(service::ServiceContext& context, const MapperOptio
   context_.subscribe<tracking::PoseCorrection>(
       messages::channels::kPoseCorrection, 0,
       [this](const tracking::PoseCorrection& correction) { on_correction(correction); });
+  context_.subscribe<messages::MeshRequest>(messages::channels::kMeshRequest, 30,
+                                            [this](const messages::MeshRequest& request) {
+                                              if (session_ && request.session == *session_) mesh_stream_.repeat_all();
+                                            });
 }
 
 bool MapperService::is_my_session(std::int64_t session, const char* channel) {

@@ -16,7 +16,7 @@ struct MapperOptions {
   double mesh_period = 1.0;  ///< seconds between two updates of the mesh on the bus; 0: none
 };
 
-/// RGBD, POSE and POSE_CORRECTION in; MESH_CHUNK out; mesh.ply and mesh.vdb at the end.
+/// RGBD, POSE, POSE_CORRECTION and MESH_REQUEST in; MESH_CHUNK out; mesh.ply and mesh.vdb at the end.
 ///
 /// Every keyframe that was tracked in all six degrees of freedom is fused with the pose that its POSE message carries.
 /// Lockstep: frames are worked off strictly in order, each once both its messages are there, and then acknowledged; one

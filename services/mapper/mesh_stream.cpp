@@ -36,10 +36,15 @@ std::vector<mapping::MeshChunk> make_chunks(const mapping::Mesh& mesh, const Eig
 std::vector<mapping::MeshChunk> MeshStream::next(mapping::TsdfMap& map, std::int64_t session, std::int64_t now_utime) {
   if (period_ == 0) return {};
   if (!changed_.empty()) return send_changed(map, session);
+  if (!asked_for_.empty()) return send_asked_for(map, session);
   if (now_utime < next_collection_) return {};
   next_collection_ = now_utime + period_;
   collect_changes(map);
   return changed_.empty() ? send_again(map, session) : send_changed(map, session);
+}
+
+void MeshStream::repeat_all() {
+  for (const auto& [tile, revision] : revisions_) asked_for_.insert(tile);
 }
 
 void MeshStream::collect_changes(mapping::TsdfMap& map) {
@@ -63,13 +68,27 @@ std::vector<mapping::MeshChunk> MeshStream::send_changed(const mapping::TsdfMap&
   return chunks;
 }
 
+std::vector<mapping::MeshChunk> MeshStream::send_asked_for(const mapping::TsdfMap& map, std::int64_t session) {
+  std::vector<mapping::MeshChunk> chunks;
+  for (int sent = 0; sent < kTilesPerRound && !asked_for_.empty(); ++sent) {
+    auto parts = repeat(map, session, asked_for_.extract(asked_for_.begin()).value());
+    std::move(parts.begin(), parts.end(), std::back_inserter(chunks));
+  }
+  return chunks;
+}
+
 std::vector<mapping::MeshChunk> MeshStream::send_again(const mapping::TsdfMap& map, std::int64_t session) {
   if (revisions_.empty()) return {};
   auto known = revisions_.upper_bound(last_repeated_);
   if (known == revisions_.end()) known = revisions_.begin();
   last_repeated_ = known->first;
-  const Eigen::Vector3i number(last_repeated_[0], last_repeated_[1], last_repeated_[2]);
-  return make_chunks(map.extract_tile(number), number, map.tile_size(), known->second, session);
+  return repeat(map, session, last_repeated_);
+}
+
+std::vector<mapping::MeshChunk> MeshStream::repeat(const mapping::TsdfMap& map, std::int64_t session,
+                                                   const Tile& tile) {
+  const Eigen::Vector3i number(tile[0], tile[1], tile[2]);
+  return make_chunks(map.extract_tile(number), number, map.tile_size(), revisions_.at(tile), session);
 }
 
 }  // namespace eg::services

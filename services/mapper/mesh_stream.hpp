@@ -19,6 +19,9 @@ class MeshStream {
   /// @param period microseconds between two collections of changed tiles; 0: nothing is ever sent
   explicit MeshStream(std::int64_t period) : period_(period) {}
 
+  /// Somebody lacks the mesh: every tile that was sent is sent again, soon.
+  void repeat_all();
+
   /// What to send now. An empty chunk says that a tile has no surface any more.
   std::vector<mapping::MeshChunk> next(mapping::TsdfMap& map, std::int64_t session, std::int64_t now_utime);
 
@@ -27,12 +30,16 @@ class MeshStream {
 
   void collect_changes(mapping::TsdfMap& map);
   [[nodiscard]] std::vector<mapping::MeshChunk> send_changed(const mapping::TsdfMap& map, std::int64_t session);
+  [[nodiscard]] std::vector<mapping::MeshChunk> send_asked_for(const mapping::TsdfMap& map, std::int64_t session);
   [[nodiscard]] std::vector<mapping::MeshChunk> send_again(const mapping::TsdfMap& map, std::int64_t session);
+  [[nodiscard]] std::vector<mapping::MeshChunk> repeat(const mapping::TsdfMap& map, std::int64_t session,
+                                                       const Tile& tile);
 
   std::int64_t period_;
   std::int64_t next_collection_ = 0;
   std::set<Tile> changed_;
   std::map<Tile, std::int32_t> revisions_;  ///< of tiles that were sent
+  std::set<Tile> asked_for_;                ///< tiles to be repeated soon
   Tile last_repeated_{};
 };
 

@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   app.add_option("--depth-noise", options.depth_noise,
                  "Add the noise of a structured-light camera to the data set's depth, with this seed; 0: none")
       ->check(CLI::NonNegativeNumber);
+  app.add_flag("--report", options.report, "Describe the run in one report.html, with pictures and plots");
   app.add_flag("--log", options.log, "Record all messages into run.lcm with lcm-logger");
   app.add_option("--procman", options.procman, "procman configuration to start the services from");
   app.add_option("--lcm-url", options.lcm_url, "LCM provider to run on; without it a port of this run's own");

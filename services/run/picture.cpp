@@ -6,6 +6,17 @@
 #include "common/procman/run_program.hpp"
 
 namespace eg::run {
+namespace {
+
+/// Runs a program whose output goes to the log. `failure`: what to say when it fails.
+base::Status run_to_end(const std::vector<std::string>& words, const std::filesystem::path& out,
+                        const std::string& failure) {
+  const auto exit_code = procman::run_program(words, out / "log.txt");
+  if (!exit_code) return base::fail(exit_code.error().message);
+  return *exit_code == 0 ? base::Status{} : base::fail(failure + "; log.txt says why");
+}
+
+}  // namespace
 
 base::Status draw_picture(const std::filesystem::path& egraph_eval, const std::filesystem::path& out,
                           const Input& input) {
@@ -20,10 +31,18 @@ base::Status draw_picture(const std::filesystem::path& egraph_eval, const std::f
   add_if_there("--graph", out / "egraph.json");
   add_if_there("--groundtruth", input.ground_truth);
   if (input.y_up) words.emplace_back("--y-up");
-  const auto exit_code = procman::run_program(words, out / "log.txt");
-  if (!exit_code) return base::fail(exit_code.error().message);
-  if (*exit_code != 0) return base::fail("no picture could be drawn; log.txt says why");
-  return {};
+  return run_to_end(words, out, "no picture could be drawn");
+}
+
+base::Status write_report_page(const std::filesystem::path& egraph_eval, const std::filesystem::path& out,
+                               const Input& input, const std::filesystem::path& config) {
+  std::vector<std::string> words = {egraph_eval.string(), "report", out.string()};
+  if (std::filesystem::exists(input.ground_truth)) {
+    words.insert(words.end(), {"--groundtruth", input.ground_truth.string()});
+  }
+  if (!config.empty()) words.insert(words.end(), {"--config", config.string()});
+  if (input.y_up) words.emplace_back("--y-up");
+  return run_to_end(words, out, "no report could be written");
 }
 
 }  // namespace eg::run

@@ -98,6 +98,10 @@ int conclude(const RunOptions& options, const Input& input, const std::filesyste
   if (const auto picture = draw_picture(own_folder() / "egraph-eval", out, input); !picture) {
     spdlog::warn(picture.error().message);
   }
+  if (options.report) {
+    const auto page = write_report_page(own_folder() / "egraph-eval", out, input, options.config);
+    if (!page) return report_failure(page.error().message);
+  }
   std::puts(summarise(out, session.monitor(), report).c_str());
   if (session.interrupted()) return kInterruptedExitCode;
   return report.failure.empty() ? 0 : report_failure(report.failure);

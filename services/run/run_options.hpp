@@ -21,6 +21,7 @@ struct RunOptions {
   std::filesystem::path config;         ///< YAML for all services; empty: their defaults
   std::int64_t depth_noise = 0;         ///< seed of noise to add to the data set's depth; 0: none
   bool log = false;                     ///< record all messages into run.lcm
+  bool report = false;                  ///< describe the run in report.html
   std::int64_t frames = 0;              ///< at most; 0: all
   std::filesystem::path procman;        ///< empty: the configuration that comes with the programs
   std::string lcm_url;                  ///< empty: a port that no other run uses

@@ -19,7 +19,7 @@ constexpr double kBeforeAndAfterEstimate = 0.05;  // seconds
 }  // namespace
 
 bool GroundTruth::put(Board& board, const std::vector<geometry::StampedPose>& estimate) {
-  if (file_.empty() || estimate.size() < kFewestPairs) return true;
+  if (!is_given() || estimate.size() < kFewestPairs) return true;
   read_if_new();
   const auto pairs = eval::match_by_time(estimate, poses_, kMaxTimeDifference);
   if (pairs.size() < kFewestPairs) return true;

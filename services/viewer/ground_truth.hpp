@@ -16,6 +16,8 @@ class GroundTruth {
   /// @param file empty: there is none
   explicit GroundTruth(std::filesystem::path file) : file_(std::move(file)) {}
 
+  [[nodiscard]] bool is_given() const { return !file_.empty(); }
+
   /// Puts the packet "truth": the part of the true trajectory in the estimate's time.
   bool put(Board& board, const std::vector<geometry::StampedPose>& estimate);
 

@@ -87,7 +87,9 @@ void ViewerService::subscribe() {
                                                  if (is_shown(correction.session)) graph_.apply(correction);
                                                });
   context_.subscribe<mapping::MeshChunk>(channels::kMeshChunk, 0, [this](const mapping::MeshChunk& chunk) {
-    if (is_shown(chunk.session)) check(mesh_.add(chunk));
+    if (!is_shown(chunk.session)) return;
+    if (mesh_state_ == Mesh::asked_for) mesh_state_ = Mesh::coming;
+    check(mesh_.add(chunk));
   });
   context_.subscribe<messages::ServiceStatus>(channels::kStatus, 0,
                                               [this](const messages::ServiceStatus& status) { on_status(status); });
@@ -129,6 +131,7 @@ void ViewerService::restart(std::int64_t session) {
   latest_pose_.reset();
   live_sequence_ = -1;
   graph_incomplete_ = true;
+  mesh_state_ = Mesh::missing;
   board_.restart("scene", Packet("scene").set("run", static_cast<double>(runs_)).bytes());
 }
 
@@ -185,8 +188,8 @@ void ViewerService::put_structure() {
 
 void ViewerService::put_slow_parts() {
   check(board_.put("health", health_.packet(now_)));
-  check(ground_truth_.put(board_, trajectory_.poses(graph_)));
-  if (graph_incomplete_ && session_ && is_due(next_request_, now_, kRequestPeriod)) request_graph();
+  if (ground_truth_.is_given()) check(ground_truth_.put(board_, trajectory_.poses(graph_)));
+  if (session_ && is_due(next_request_, now_, kRequestPeriod)) ask_for_what_is_missing();
 }
 
 void ViewerService::put_camera() {
@@ -230,8 +233,13 @@ void ViewerService::put_pending_contents() {
   }
 }
 
-void ViewerService::request_graph() {
-  context_.publish(channels::kGraphRequest, messages::GraphRequest{*session_, graph_.graph().version()});
+void ViewerService::ask_for_what_is_missing() {
+  if (graph_incomplete_) {
+    context_.publish(channels::kGraphRequest, messages::GraphRequest{*session_, graph_.graph().version()});
+  }
+  if (mesh_state_ == Mesh::coming) return;
+  mesh_state_ = Mesh::asked_for;
+  context_.publish(channels::kMeshRequest, messages::MeshRequest{*session_});
 }
 
 void ViewerService::check(bool put) {

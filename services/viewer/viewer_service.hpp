@@ -27,8 +27,8 @@ struct ViewerOptions {
   int image_budget = 64;               ///< MB of keyframe images
 };
 
-/// Watches all streams and shows them to browsers. It takes no part: the one thing that it ever says is a request for
-/// the E-Graph when it has missed an update of it.
+/// Watches all streams and shows them to browsers. It takes no part: all that it ever says is a request for the E-Graph
+/// when it has missed an update of it, and one for the mesh when it begins.
 ///
 /// It shows one session, the first that it hears of; when that one has fallen silent, or its frames begin again from
 /// the start (another run, a log that is played again), the scene begins anew.
@@ -60,7 +60,7 @@ class ViewerService : public service::Service {
   void put_camera();
   void put_live();
   void put_pending_contents();
-  void request_graph();
+  void ask_for_what_is_missing();
   void check(bool put);
 
   service::ServiceContext& context_;
@@ -80,7 +80,8 @@ class ViewerService : public service::Service {
   std::optional<tracking::PoseEstimate> latest_pose_;
   std::int64_t live_sequence_ = -1;  ///< the frame that the 2D panel shows
   geometry::CameraModel camera_;
-  bool graph_incomplete_ = true;
+  bool graph_incomplete_ = true;  ///< an update was missed, or nothing has come yet
+  enum class Mesh { missing, asked_for, coming } mesh_state_ = Mesh::missing;
   std::int64_t runs_ = 0;  ///< scenes begun
   std::int64_t now_ = 0;   ///< monotonic, microseconds, as of the last idle()
   std::int64_t heard_pose_ = 0;

@@ -29,6 +29,11 @@ std::string host_of(std::uint16_t port) { return "127.0.0.1:" + std::to_string(p
 
 }  // namespace
 
+std::uint16_t free_tcp_port() {
+  asio::io_context context;
+  return tcp::acceptor(context, local(0)).local_endpoint().port();
+}
+
 std::optional<HttpAnswer> http_get(std::uint16_t port, const std::string& target, const std::string& host) {
   return http_request(port, "GET", target, host);
 }

@@ -10,6 +10,9 @@
 /// Simple clients for servers on this machine; blocking, with limits. What fails is "nothing".
 namespace eg::test {
 
+/// A TCP port of 127.0.0.1 that nobody used a moment ago.
+std::uint16_t free_tcp_port();
+
 struct HttpAnswer {
   int status = 0;
   std::string content_type;

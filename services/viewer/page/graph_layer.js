@@ -50,15 +50,21 @@ export class KeyframeLayer {
     setPoints(this.group, numbers);
   }
 
+  /** Where on the screen a keyframe is: x y in pixels, or null behind the view. */
+  pixel(id) {
+    const {clientWidth: width, clientHeight: height} = this.view.canvas;
+    const point = this.model.position(id).applyMatrix4(this.view.world.matrix).project(this.view.camera);
+    return point.z > 1 ? null : [(point.x + 1) / 2 * width, (1 - point.y) / 2 * height];
+  }
+
   /** The keyframe nearest to a pixel of the view, or null. */
   pick(x, y) {
     let nearest = null;
     let best = kPickRadius;
-    const {clientWidth: width, clientHeight: height} = this.view.canvas;
     for (const id of this.model.poses.keys()) {
-      const point = this.model.position(id).applyMatrix4(this.view.world.matrix).project(this.view.camera);
-      if (point.z > 1) continue;
-      const distance = Math.hypot((point.x + 1) / 2 * width - x, (1 - point.y) / 2 * height - y);
+      const pixel = this.pixel(id);
+      if (!pixel) continue;
+      const distance = Math.hypot(pixel[0] - x, pixel[1] - y);
       if (distance >= best) continue;
       best = distance;
       nearest = id;
@@ -88,7 +94,7 @@ export class EdgeLayer {
     });
     setPoints(this.group, numbers);
     // Many thousand edges would hide the scene: the more there are, the fainter each.
-    this.group.material.opacity = Math.max(0.06, Math.min(0.7, 12 / Math.sqrt(this.count + 1)));
+    this.group.material.opacity = Math.max(0.05, Math.min(0.7, 6 / Math.sqrt(this.count + 1)));
   }
 }
 

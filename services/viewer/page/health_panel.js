@@ -18,7 +18,8 @@ export class HealthPanel {
     this.body.innerHTML = '';
     for (const service of this.services) this.body.append(this.row(service));
     const silent = this.services.filter((service) => service.silent);
-    this.silent.textContent = silent.length > 0 ? `${silent.map((service) => service.service).join(', ')} silent` : '';
+    const names = silent.length > 2 ? silent.length : silent.map((service) => service.service.replace(/_/g, ' ')).join(', ');
+    this.silent.textContent = silent.length > 0 ? `${names} silent` : '';
   }
 
   row(service) {

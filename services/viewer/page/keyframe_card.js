@@ -42,7 +42,7 @@ export class KeyframeCard {
       const item = document.createElement('li');
       const dot = document.createElement('i');
       dot.style.background = cssColour(landmark.colour);
-      item.append(dot, `${kKinds[landmark.kind]} ${landmark.id}, seen ${landmark.observations}×`);
+      item.append(dot, `${kKinds[landmark.kind]}, seen ${landmark.observations}×`);
       list.append(item);
     }
   }

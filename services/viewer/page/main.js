@@ -44,19 +44,23 @@ const panel = new LayersPanel([
   {name: 'planes', label: 'Planes', colour: '#9d7bff', layer: planes, visible: false},
 ], () => view.invalidate());
 
+const errors = [];           // what should not have happened
+window.addEventListener('error', (event) => errors.push(event.message));
+window.addEventListener('unhandledrejection', (event) => errors.push(String(event.reason)));
+
 let latest = null;           // the newest packet "camera"
 const stale = new Set();     // what has to be drawn anew before the next frame
 
 const takers = {
   scene: restart,
-  tile: (packet) => mesh.take(packet),
+  tile: (packet) => { mesh.take(packet); stale.add('mesh'); },
   poses: (packet) => { model.takePoses(packet); stale.add('poses'); },
   graph: (packet) => { model.takeGraph(packet); stale.add('graph'); },
   landmarks: (packet) => { model.takeLandmarks(packet); sphere.update(model.landmarks); stale.add('graph'); },
   trajectory: (packet) => { trajectory.take(packet); stale.add('trajectory'); },
-  contents: (packet) => { points.take(packet); lines.take(packet); },
-  planes: (packet) => planes.take(packet),
-  truth: (packet) => truth.take(packet),
+  contents: (packet) => { points.take(packet); lines.take(packet); stale.add('contents'); },
+  planes: (packet) => { planes.take(packet); stale.add('planes'); },
+  truth: (packet) => { truth.take(packet); stale.add('truth'); },
   camera: (packet) => { latest = packet; stale.add('camera'); },
   live: (packet) => image.take(packet),
   health: (packet) => health.take(packet),
@@ -131,6 +135,8 @@ connect(take, (online) => { document.getElementById('offline').hidden = online; 
 /** For tests and the curious: what is on the page, in numbers. */
 window.egraph = {
   view, select,
+  errors,
+  pixelOfKeyframe: (id) => keyframes.pixel(id),
   summary: () => ({
     sequence: latest ? latest.sequence : -1, state: latest ? latest.state : '', image: image.shown,
     triangles: mesh.triangles, tiles: mesh.tiles.size, poses: trajectory.count, truth: truth.count,

@@ -51,16 +51,14 @@ export class SceneModel {
     return count;
   }
 
-  /** The landmarks that a keyframe has seen. */
+  /** The landmarks that a keyframe has seen, each once: two walls may have one direction. */
   observationsOf(keyframe) {
-    const seen = [];
-    for (const block of this.blocks.values()) {
-      for (let i = 0; 2 * i < block.observations.length; ++i) {
-        if (block.observations[2 * i] !== keyframe) continue;
-        const landmark = this.landmarks.get(block.observations[2 * i + 1]);
-        if (landmark) seen.push({id: block.observations[2 * i + 1], ...landmark});
+    const ids = new Set();
+    for (const {observations} of this.blocks.values()) {
+      for (let i = 0; i < observations.length; i += 2) {
+        if (observations[i] === keyframe && this.landmarks.has(observations[i + 1])) ids.add(observations[i + 1]);
       }
     }
-    return seen;
+    return [...ids].map((id) => ({id, ...this.landmarks.get(id)}));
   }
 }

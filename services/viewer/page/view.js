@@ -1,6 +1,7 @@
 // The 3D view: renderer, cameras, points of view. It draws only when something has changed.
 
 const kFieldOfView = 50;     // degrees
+const kTightness = 0.66;     // a scene fills its bounding sphere by about so much
 const kStillAfter = 250;     // ms without a movement
 const kSphere = 170;         // pixels
 const kBackground = 0x11161d;
@@ -86,7 +87,7 @@ export class View {
     const radius = this.bounds.getSize(new THREE.Vector3()).length() / 2;
     const direction = this.mode === 'top' ? new THREE.Vector3(0, 1, 0.001) : new THREE.Vector3(0.55, 0.75, 0.8);
     const free = Math.min(1, this.canvas.clientWidth > kNarrow ? this.camera.aspect - 0.7 : this.camera.aspect);
-    const distance = radius / Math.sin(THREE.Math.degToRad(kFieldOfView / 2)) / free * 0.85;
+    const distance = radius / Math.sin(THREE.Math.degToRad(kFieldOfView / 2)) / free * kTightness;
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).addScaledVector(direction.normalize(), distance);
     this.controls.update();

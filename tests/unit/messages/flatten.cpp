@@ -126,6 +126,7 @@ Flat flatten(const mapping::MeshChunk& v) {
   return Flattener()(v.session, v.tile, v.revision, v.part, v.parts, v.tile_size, v.mesh).result;
 }
 
+Flat flatten(const MeshRequest& v) { return Flattener()(v.session).result; }
 Flat flatten(const GraphRequest& v) { return Flattener()(v.session, v.have_version).result; }
 Flat flatten(const Acknowledge& v) { return Flattener()(v.session, v.sequence, v.consumer).result; }
 Flat flatten(const EndOfStream& v) { return Flattener()(v.session, v.frame_count, v.skipped_utimes).result; }

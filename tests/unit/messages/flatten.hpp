@@ -28,6 +28,7 @@ Flat flatten(const egraph::GraphUpdate& update);
 Flat flatten(const egraph::GraphSnapshot& snapshot);
 Flat flatten(const mapping::MeshChunk& chunk);
 Flat flatten(const GraphRequest& request);
+Flat flatten(const MeshRequest& request);
 Flat flatten(const Acknowledge& acknowledge);
 Flat flatten(const EndOfStream& end);
 Flat flatten(const Control& control);

@@ -103,6 +103,7 @@ TEST(Layout, NoTypeIsTakenForAnother) {
   add(encode(random_value<egraph::GraphSnapshot>(random)));
   add(encode(random_value<mapping::MeshChunk>(random)));
   add(encode(random_value<GraphRequest>(random)));
+  add(encode(random_value<MeshRequest>(random)));
   add(encode(random_value<Acknowledge>(random)));
   add(encode(random_value<EndOfStream>(random)));
   add(encode(random_value<Control>(random)));

@@ -270,6 +270,11 @@ GraphRequest random_value(Random& random) {
 }
 
 template <>
+MeshRequest random_value(Random& random) {
+  return {random_session(random)};
+}
+
+template <>
 Acknowledge random_value(Random& random) {
   return {random_session(random), random_counter(random), random_text(random, 64)};
 }

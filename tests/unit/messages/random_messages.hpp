@@ -28,6 +28,8 @@ mapping::MeshChunk random_value(base::Random& random);
 template <>
 GraphRequest random_value(base::Random& random);
 template <>
+MeshRequest random_value(base::Random& random);
+template <>
 Acknowledge random_value(base::Random& random);
 template <>
 EndOfStream random_value(base::Random& random);
