@@ -18,6 +18,7 @@ h1 { font-size: 22px; margin: 8px 0; } h2 { font-size: 17px; margin: 28px 0 8px;
 .tiles div { background: var(--card); border-radius: 8px; padding: 8px 12px; }
 .tiles b { display: block; font-size: 19px; font-variant-numeric: tabular-nums; } .tiles span { color: var(--soft); font-size: 13px; }
 .row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 12px; }
+.wide { grid-template-columns: repeat(auto-fit, minmax(min(400px, 100%), 1fr)); }
 figure { margin: 0; background: var(--card); border-radius: 8px; padding: 8px; min-width: 0; }
 svg, img { display: block; width: 100%; height: auto; border-radius: 4px; }
 svg text { font: 12px system-ui, sans-serif; fill: var(--soft); }

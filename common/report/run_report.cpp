@@ -88,7 +88,7 @@ std::string graph_section(const RunResults& run) {
 
 std::string mesh_section(const RunResults& run) {
   if (run.mesh_views.empty()) return {};
-  std::string html = "<div class=\"row\">\n";
+  std::string html = "<div class=\"row wide\">\n";
   for (const Picture& picture : run.mesh_views) {
     html += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", embedded_png(picture.png, picture.caption),
                         escape(picture.caption));

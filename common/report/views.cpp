@@ -64,7 +64,7 @@ std::string draw_trajectories(const Points& estimate, const Points& truth, const
   for (const Side& side : {kTop, kFront, kSide}) {
     const eval::OrthographicView view = make_view(side, all, options);
     html.append("<figure>").append(open_svg());
-    if (!truth.empty()) html += polyline(truth, view, "var(--truth)", 3.0);
+    if (!truth.empty()) html += polyline(truth, view, "var(--truth)", 5.0);
     html += polyline(estimate, view, "var(--estimate)", 1.4);
     html.append(scale_bar(view)).append("</svg><figcaption>").append(side.name).append("</figcaption></figure>\n");
   }
@@ -76,7 +76,7 @@ std::string draw_graph(const Points& keyframes, std::span<const std::pair<std::s
   if (keyframes.empty()) return {};
   const eval::OrthographicView view = make_view(kTop, keyframes, options);
   // Many thousand edges would be one blot: the more there are, the fainter each.
-  const double opacity = std::clamp(12.0 / std::sqrt(static_cast<double>(edges.size()) + 1.0), 0.08, 0.8);
+  const double opacity = std::clamp(6.0 / std::sqrt(static_cast<double>(edges.size()) + 1.0), 0.08, 0.8);
   std::string svg = "<figure>";
   svg.append(open_svg()).append(fmt::format(R"(<path stroke="{}" stroke-opacity="{:.2f}" d=")", colour, opacity));
   for (const auto& [first, second] : edges) {

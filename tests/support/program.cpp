@@ -84,11 +84,14 @@ bool Program::poll_exit() {
 
 bool no_process_is_left(std::chrono::seconds limit) {
   const auto end = steady_clock::now() + limit;
-  while (!procman::find_descendants(getpid()).empty()) {
+  for (;;) {
+    // What a program left behind becomes our child, and stays in the list until somebody asks how it ended.
+    while (waitpid(-1, nullptr, WNOHANG) > 0) {
+    }
+    if (procman::find_descendants(getpid()).empty()) return true;
     if (steady_clock::now() > end) return false;
     std::this_thread::sleep_for(kPoll);
   }
-  return true;
 }
 
 pid_t service_pid(const std::filesystem::path& log, const std::string& service) {
