@@ -11,7 +11,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kProgram = "/usr/bin/chromium-headless-shell";
+// Not the script of the same name in /usr/bin, which would stand between it and our signals.
+constexpr const char* kProgram = "/usr/lib/chromium/chromium-headless-shell";
 constexpr std::chrono::seconds kAnswerLimit{60};
 constexpr std::chrono::milliseconds kPoll{50};
 
