@@ -191,7 +191,9 @@ base::Result<PlyData> parse_ply(std::string_view bytes) {
     }
     if (!status) return tl::make_unexpected(status.error());
   }
-  if (data.vertices.empty()) return base::fail("holds no vertex");
+  const bool has_vertices = std::any_of(header->elements.begin(), header->elements.end(),
+                                        [](const PlyElement& element) { return element.name == "vertex"; });
+  if (!has_vertices) return base::fail("holds no vertex element");
   return data;
 }
 

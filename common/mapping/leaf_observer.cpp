@@ -9,6 +9,9 @@ constexpr Int4 kNone = {0, 0, 0, 0};
 constexpr float kHalf = 0.5F;
 // Voxels beside a surface are less than one voxel's diagonal from it.
 constexpr float kColourVoxels = 2.0F;
+// If readings that came out too near counted less already at one standard deviation, noisy surfaces would move away from
+// the camera by twice as much (docs/decisions/dense_map.md).
+constexpr float kSureSigmas = 1.5F;
 
 Float4 all_of(double x) { return all(static_cast<float>(x)); }
 
@@ -118,9 +121,8 @@ LeafObserver::Measurements LeafObserver::measure(const Float4& z, const Depths& 
   const Float4 limit = max(least_truncation_, truncation_sigmas_ * sigma);
   // Behind an object's outline its inside would border on the free space that is seen past it: a sheet of no surface.
   const Int4 is_known = is_seen & (distance >= (depths.obliqueness < 0.0F ? -voxel_size_ : -limit));
-  // From one voxel and standard deviation behind the surface on, a reading says less and less: the object may be
-  // thinner.
-  const Float4 sure = max(voxel_size_, sigma);
+  // Farther behind the surface than that, a reading says less and less: the object may be thinner.
+  const Float4 sure = max(voxel_size_, kSureSigmas * sigma);
   const Float4 certainty = distance >= -sure ? all(1.0F) : (limit + distance) / (limit - sure);
   const Float4 weight = min(all(1.0F), best_variance_ / (sigma * sigma)) * static_cast<float>(TsdfUnits::kMaxWeight);
   const Int4 rounded = truncate(max(all(1.0F), weight * certainty + kHalf));

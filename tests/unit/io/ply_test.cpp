@@ -89,6 +89,12 @@ TEST_F(Ply, EveryTruncationIsFound) {
   }
 }
 
+TEST_F(Ply, AnEmptyMeshComesBackEmpty) {
+  const auto back = read(format_ply(PlyView{}));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_TRUE(back->vertices.empty());
+}
+
 TEST_F(Ply, SaysWhatIsWrong) {
   constexpr char kVertex[] = "property float x\nproperty float y\nproperty float z\n";
   const auto ascii = [&](const std::string& rest) { return "ply\nformat ascii 1.0\n" + rest; };
