@@ -66,6 +66,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 }  // namespace
 
 int main() {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // figures are of use also when a later one takes too long
   services::Board board(500'000'000);
   services::KeyframeImages images(1);
   services::MeshTiles mesh(board);

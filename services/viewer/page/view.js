@@ -6,7 +6,7 @@ const kStillAfter = 250;     // ms without a movement
 const kSphere = 170;         // pixels
 const kBackground = 0x11161d;
 const kNarrow = 900;         // pixels: narrower pages have their panels below
-const kPanels = 92;          // pixels by which the right panels are wider than the left ones, halved
+const kPanels = 104;         // pixels by which the right panels are wider than the left ones, halved
 
 export class View {
   constructor(canvas) {
