@@ -127,7 +127,8 @@ void Session::handle_line(const std::string& line) {
   const bool error = text.starts_with(kError);
   if (error) text.remove_prefix(kError.size());
   const std::string name(text.substr(0, text.find(' ')));
-  const bool ended = text.substr(name.size()).starts_with(" ended with ");
+  const std::string_view what = text.substr(name.size());
+  const bool ended = what.starts_with(" ended with ") || what.starts_with(" could not be started");
   if (ended) {
     savers_.erase(name);
     save_request_.give_up_on(name);

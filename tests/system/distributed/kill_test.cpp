@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using test::file_bytes;
 using test::Fleet;
 
-constexpr int kFrames = 8;
+constexpr int kFrames = 12;
 
 class Killed : public testing::TestWithParam<const char*> {
  protected:
@@ -28,7 +28,7 @@ TEST_P(Killed, TheRunIsCompletedAllTheSame) {
   if (!hosts) GTEST_SKIP() << "this machine does not let the test make machines: " << hosts.error().message;
   Fleet fleet(**hosts, {"two_hosts.pmd", {"robot", "base"}, folder_.path(), kFrames});
   ASSERT_TRUE(fleet.wait_for_poses(3, 100s)) << fleet.output();
-  ASSERT_TRUE(fleet.kill_service(GetParam()));
+  ASSERT_TRUE(fleet.kill_service(GetParam())) << fleet.output();
   ASSERT_TRUE(fleet.wait_for_end(60s)) << fleet.output();
   ASSERT_EQ(fleet.stop(), 0) << fleet.output();
   const std::string trajectory = file_bytes(folder_.path() / "trajectory.txt");
