@@ -46,13 +46,19 @@ std::optional<HttpAnswer> http_request(std::uint16_t port, const std::string& me
   request.append(" ").append(target).append(" HTTP/1.1\r\nHost: ").append(name);
   request.append("\r\nConnection: close\r\n\r\n");
   if (!connection.send(request)) return std::nullopt;
-  const std::string received = connection.receive_all(kPatience);
+  // The answer's own length says where it ends: not every server closes the connection when asked to.
   beast::error_code failure;
   http::response_parser<http::string_body> parser;
   parser.body_limit(kLargestMessage);
   parser.eager(true);
-  parser.put(asio::buffer(received), failure);
-  if (failure || !parser.is_done()) return std::nullopt;
+  std::string unread;
+  while (!parser.is_done()) {
+    const std::string received = connection.receive(kPatience);
+    if (received.empty()) return std::nullopt;
+    unread += received;
+    unread.erase(0, parser.put(asio::buffer(unread), failure));
+    if (failure && failure != http::error::need_more) return std::nullopt;
+  }
   const auto type = parser.get()[http::field::content_type];
   return HttpAnswer{static_cast<int>(parser.get().result_int()), std::string(type.data(), type.size()),
                     parser.get().body()};
@@ -78,17 +84,23 @@ bool RawConnection::send(const std::string& bytes) {
   return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
 }
 
+std::string RawConnection::receive(std::chrono::milliseconds limit) {
+  pollfd ready{socket_, POLLIN, 0};
+  if (limit.count() <= 0 || ::poll(&ready, 1, static_cast<int>(limit.count())) <= 0) return {};
+  std::string bytes(65'536, '\0');
+  const ssize_t got = ::recv(socket_, bytes.data(), bytes.size(), 0);
+  bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  return bytes;
+}
+
 std::string RawConnection::receive_all(std::chrono::milliseconds limit) {
-  const auto end = std::chrono::steady_clock::now() + limit;
+  using std::chrono::steady_clock;
+  const auto end = steady_clock::now() + limit;
   std::string received;
-  std::vector<char> buffer(65'536);
   for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
-    pollfd ready{socket_, POLLIN, 0};
-    if (left.count() <= 0 || ::poll(&ready, 1, static_cast<int>(left.count())) <= 0) return received;
-    const ssize_t got = ::recv(socket_, buffer.data(), buffer.size(), 0);
-    if (got <= 0) return received;
-    received.append(buffer.data(), static_cast<std::size_t>(got));
+    const std::string bytes = receive(std::chrono::duration_cast<std::chrono::milliseconds>(end - steady_clock::now()));
+    if (bytes.empty()) return received;
+    received += bytes;
   }
 }
 

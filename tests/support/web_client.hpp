@@ -36,6 +36,8 @@ class RawConnection {
 
   [[nodiscard]] bool open() const { return socket_ >= 0; }
   bool send(const std::string& bytes);
+  /// What comes next; empty: nothing within `limit`, or the other side has closed.
+  std::string receive(std::chrono::milliseconds limit);
   /// What comes until the other side closes or `limit` is over.
   std::string receive_all(std::chrono::milliseconds limit = std::chrono::seconds(5));
   /// Whether the other side closes within `limit`.

@@ -19,6 +19,8 @@ export class MeshLayer {
     this.waiting = [];  // tiles without their coarser levels
     this.triangles = 0;
     this.detail = kFinestPixels;
+    this.lastFrame = 0;
+    this.wasMoving = false;
     view.world.add(this.group);
     view.beforeDrawing.push(() => this.chooseLevels());
   }
@@ -97,7 +99,8 @@ export class MeshLayer {
     this.adaptDetail();
     const eye = this.view.camera.position.clone().applyMatrix4(new THREE.Matrix4().getInverse(this.view.world.matrix));
     const pixels = this.view.pixelsPerRadian();
-    const limit = this.view.isMoving() ? this.detail : kFinestPixels;
+    // At rest a frame may take longer, but not so long that a slow machine stands still.
+    const limit = this.view.isMoving() ? this.detail : Math.max(kFinestPixels, this.detail / 4);
     for (const tile of this.tiles.values()) {
       const distance = Math.max(0.1, eye.distanceTo(tile.centre) - tile.size.length() / 2);
       let level = 0;
@@ -106,13 +109,16 @@ export class MeshLayer {
     }
   }
 
-  /** While the view moves: less detail if frames come too slowly, more if there is time. */
+  /** While the view moves: less detail at once if frames come too slowly, slowly more if there is time. */
   adaptDetail() {
     const now = performance.now();
-    const frame = now - (this.lastFrame || 0);
+    const frame = now - this.lastFrame;
+    const moving = this.view.isMoving();
+    const counts = moving && this.wasMoving;  // else the time is a pause
     this.lastFrame = now;
-    if (!this.view.isMoving() || frame > 2000) return;
-    if (frame > kBadFrame) this.detail = Math.min(kCoarsestPixels, this.detail * 1.25);
+    this.wasMoving = moving;
+    if (!counts) return;
+    if (frame > kBadFrame) this.detail = Math.min(kCoarsestPixels, this.detail * Math.min(4, frame / kBadFrame));
     if (frame < kGoodFrame) this.detail = Math.max(kFinestPixels, this.detail / 1.05);
   }
 
