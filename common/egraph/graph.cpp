@@ -87,10 +87,13 @@ std::span<const KeyframeId> Graph::observers(LandmarkId id) const {
 }
 
 bool Graph::spans_a_plane(std::span<const LandmarkId> landmarks) const {
-  const DirectionLandmark* first = find_landmark(landmarks.front());
-  return std::any_of(landmarks.begin() + 1, landmarks.end(), [&](LandmarkId id) {
-    return geometry::axial_angle(first->direction, find_landmark(id)->direction) > kMinAngleBetweenDirections;
-  });
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Eigen::Vector3d& first = find_landmark(landmarks[i])->direction;
+    for (const LandmarkId other : landmarks.subspan(i + 1)) {
+      if (geometry::axial_angle(first, find_landmark(other)->direction) > kMinAngleBetweenDirections) return true;
+    }
+  }
+  return false;
 }
 
 std::vector<Edge> Graph::sharing_keyframes(std::span<const LandmarkId> landmarks) const {

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <string>
 
 #include "common/geometry/so3.hpp"
 
@@ -38,34 +39,71 @@ void fuse_direction(DirectionLandmark& landmark, const Eigen::Vector3d& directio
   landmark.covariance = lift(moved, turn * (0.5 * (posterior + posterior.transpose())) * turn.transpose());
 }
 
+base::Status BuilderState::apply(const GraphUpdate& update) {
+  if (const auto applied = graph.apply(update); !applied) return applied;
+  for (const DirectionLandmark& landmark : update.landmarks) {
+    next_landmark = std::max(next_landmark, landmark.id.value + 1);
+  }
+  recent.push_back(update);
+  if (recent.size() > kRecentUpdates) recent.pop_front();
+  return {};
+}
+
+base::Status BuilderState::reset(const GraphSnapshot& snapshot) {
+  if (const auto taken = graph.reset(snapshot); !taken) return taken;
+  recent.clear();
+  next_landmark = graph.landmarks().empty() ? 0 : graph.landmarks().back().id.value + 1;
+  return {};
+}
+
+Arrival GraphBuilder::arrival_of(const Keyframe& keyframe) const {
+  const auto keyframes = graph().keyframes();
+  const std::int32_t next = keyframes.empty() ? 0 : keyframes.back().id.value + 1;
+  if (keyframe.id.value == next) return Arrival::next;
+  if (keyframe.id.value > next) return Arrival::early;
+  const KeyframeNode* known = graph().find_keyframe(keyframe.id);
+  const bool same =
+      known != nullptr && known->sequence == keyframe.header.sequence && known->utime == keyframe.header.utime;
+  return same ? Arrival::repeated : Arrival::foreign;
+}
+
 base::Result<GraphUpdate> GraphBuilder::add_keyframe(const Keyframe& keyframe) {
-  const auto next = static_cast<std::int32_t>(history_.size());
-  if (keyframe.id.value < next) return history_[static_cast<std::size_t>(keyframe.id.value)];
-  if (keyframe.id.value > next) {
-    return base::fail("keyframe " + std::to_string(keyframe.id.value) + " came before keyframe " +
-                      std::to_string(next));
+  const std::string name = "keyframe " + std::to_string(keyframe.id.value);
+  switch (arrival_of(keyframe)) {
+    case Arrival::next:
+      break;
+    case Arrival::repeated:
+      for (const GraphUpdate& update : state_.recent) {
+        if (update.keyframe.id == keyframe.id) return update;
+      }
+      return base::fail(name + " has long been in the graph");
+    case Arrival::early:
+      return base::fail(name + " came before keyframe " + std::to_string(graph().keyframes().size()));
+    case Arrival::foreign:
+      return base::fail(name + " is not the one that the graph of session " + std::to_string(keyframe.header.session) +
+                        " holds under this number");
   }
 
   GraphUpdate update;
   update.session = keyframe.header.session;
-  update.base_version = graph_.version();
-  update.version = graph_.version() + 1;
+  update.base_version = graph().version();
+  update.version = graph().version() + 1;
   update.keyframe = {keyframe.id, keyframe.header.sequence, keyframe.header.utime, keyframe.world_from_camera,
                      keyframe.covariance};
   update.covisible = keyframe.covisible;
   fuse(keyframe, update);
   remove_stale_potentials(keyframe, update);
   connect(update);
-  if (const auto applied = graph_.apply(update); !applied) return tl::make_unexpected(applied.error());
-  history_.push_back(update);
+  if (const auto applied = state_.apply(update); !applied) return tl::make_unexpected(applied.error());
   return update;
 }
 
-void GraphBuilder::fuse(const Keyframe& keyframe, GraphUpdate& update) {
+void GraphBuilder::fuse(const Keyframe& keyframe, GraphUpdate& update) const {
   const Eigen::Matrix3d& world_from_camera = keyframe.world_from_camera.rotation;
   const Eigen::Matrix3d rotation_covariance = keyframe.covariance.topLeftCorner<3, 3>();
   // Landmarks made by this keyframe take part at once: two parallel walls seen for the first time are one landmark.
-  std::vector<DirectionLandmark> landmarks(graph_.landmarks().begin(), graph_.landmarks().end());
+  std::vector<DirectionLandmark> landmarks(graph().landmarks().begin(), graph().landmarks().end());
+  std::int32_t next_landmark = state_.next_landmark;
 
   for (std::size_t i = 0; i < keyframe.directions.size(); ++i) {
     const features::DirectionFeature& feature = keyframe.directions[i];
@@ -75,7 +113,7 @@ void GraphBuilder::fuse(const Keyframe& keyframe, GraphUpdate& update) {
     const double sign = matches.empty() ? 1.0 : matches.front().sign;
     auto landmark = landmarks.end();
     if (matches.empty()) {
-      const LandmarkId id{next_landmark_++};
+      const LandmarkId id{next_landmark++};
       landmarks.push_back(
           {id, feature.kind, world_from_camera * feature.direction, covariance, 1, keyframe.id, keyframe.id});
       landmark = landmarks.end() - 1;
@@ -96,7 +134,7 @@ void GraphBuilder::fuse(const Keyframe& keyframe, GraphUpdate& update) {
 }
 
 void GraphBuilder::remove_stale_potentials(const Keyframe& keyframe, GraphUpdate& update) const {
-  for (const DirectionLandmark& landmark : graph_.landmarks()) {
+  for (const DirectionLandmark& landmark : graph().landmarks()) {
     const bool promoted = std::any_of(update.landmarks.begin(), update.landmarks.end(),
                                       [&](const DirectionLandmark& changed) { return changed.id == landmark.id; });
     if (landmark.kind == DirectionKind::potential_direction && !promoted &&
@@ -111,7 +149,7 @@ void GraphBuilder::connect(GraphUpdate& update) const {
   for (const DirectionLandmark& landmark : update.landmarks) {
     if (landmark.first_seen != update.keyframe.id) seen_before.push_back(landmark.id);
   }
-  for (Edge& edge : update.edges = graph_.sharing_keyframes(seen_before)) edge.second = update.keyframe.id;
+  for (Edge& edge : update.edges = graph().sharing_keyframes(seen_before)) edge.second = update.keyframe.id;
 }
 
 }  // namespace eg::egraph

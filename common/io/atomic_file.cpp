@@ -36,6 +36,8 @@ class TemporaryFile {
     return true;
   }
 
+  bool flush() { return ::fsync(descriptor_) == 0; }
+
   bool rename_to(const std::filesystem::path& path) {
     renamed_ = ::rename(name_.c_str(), path.c_str()) == 0;
     return renamed_;
@@ -47,13 +49,24 @@ class TemporaryFile {
   bool renamed_ = false;
 };
 
+/// Makes the names in a folder outlive a loss of power.
+bool flush_folder(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool flushed = ::fsync(descriptor) == 0;
+  ::close(descriptor);
+  return flushed;
+}
+
 }  // namespace
 
-base::Status write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
+base::Status write_file_atomically(const std::filesystem::path& path, std::string_view bytes, Durability durability) {
   const auto failed = [&] { return base::fail(path.string() + ": cannot be written: " + std::strerror(errno)); };
   TemporaryFile file(path);
   if (!file.is_open()) return failed();
-  if (!file.write(bytes) || !file.rename_to(path)) return failed();
+  const bool to_disk = durability == Durability::machine;
+  if (!file.write(bytes) || (to_disk && !file.flush()) || !file.rename_to(path)) return failed();
+  if (to_disk && !flush_folder(path.parent_path())) return failed();
   return {};
 }
 

@@ -1,7 +1,10 @@
 #include "services/egraph_server/egraph_server_service.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include "common/io/graph_json.hpp"
 #include "common/messages/channels.hpp"
@@ -18,43 +21,97 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-EGraphServerService::EGraphServerService(service::ServiceContext& context, egraph::GraphBuilderOptions options)
-    : context_(context), options_(options) {
+EGraphServerService::EGraphServerService(service::ServiceContext& context, egraph::GraphBuilderOptions options,
+                                         std::filesystem::path state)
+    : context_(context), options_(options), state_(std::move(state)) {
   context_.subscribe<egraph::Keyframe>(messages::channels::kKeyframe, 0,
                                        [this](const egraph::Keyframe& keyframe) { on_keyframe(keyframe); });
   context_.subscribe<messages::GraphRequest>(messages::channels::kGraphRequest, 30,
                                              [this](const messages::GraphRequest& request) { on_request(request); });
+  context_.subscribe<egraph::GraphSnapshot>(messages::channels::kRestore, 0,
+                                            [this](const egraph::GraphSnapshot& snapshot) { on_restore(snapshot); });
+}
+
+base::Result<EGraphServerService::Session*> EGraphServerService::open(std::int64_t id) {
+  if (const auto known = sessions_.find(id); known != sessions_.end()) return &known->second;
+  if (sessions_.size() >= kMaxSessions) {
+    return base::fail("field 'session' is new and there are " + std::to_string(kMaxSessions) + " sessions already");
+  }
+  Session session{egraph::GraphBuilder(options_), {}, false};
+  if (!state_.empty()) {
+    session.store.emplace(state_, id);
+    auto stored = session.store->load();
+    if (!stored) return tl::make_unexpected(stored.error());
+    if (!stored->warning.empty()) spdlog::warn(stored->warning);
+    session.builder = egraph::GraphBuilder(options_, std::move(stored->state));
+  }
+  return &sessions_.emplace(id, std::move(session)).first->second;
+}
+
+bool EGraphServerService::is_kept(std::int64_t id) const {
+  return sessions_.contains(id) || (!state_.empty() && GraphStore(state_, id).exists());
 }
 
 void EGraphServerService::on_keyframe(const egraph::Keyframe& keyframe) {
   const auto start = std::chrono::steady_clock::now();
-  const std::int64_t session = keyframe.header.session;
-  if (!sessions_.contains(session) && sessions_.size() >= kMaxSessions) {
-    context_.status().count_rejected("KEYFRAME: field 'session' is new and there are " + std::to_string(kMaxSessions) +
-                                     " sessions already");
-    return;
-  }
-  egraph::GraphBuilder& builder = sessions_.try_emplace(session, options_).first->second;
+  const std::int64_t id = keyframe.header.session;
+  const auto session = open(id);
+  if (!session) return context_.status().count_rejected("KEYFRAME: " + session.error().message);
+  egraph::GraphBuilder& builder = (*session)->builder;
+  const egraph::Arrival arrival = builder.arrival_of(keyframe);
   const auto update = builder.add_keyframe(keyframe);
-  if (!update) {
-    context_.status().count_rejected("KEYFRAME: " + update.error().message);  // the tracker sends the missing one again
-    return;
+  if (update) {
+    const auto kept = (*session)->store ? (*session)->store->append(*update) : base::Status();
+    if (!kept) {
+      return context_.status().count_rejected("KEYFRAME: " + kept.error().message);  // it will come again
+    }
+    context_.publish(messages::channels::kGraphUpdate, *update);
+    context_.status().count_frame(milliseconds_since(start));
+  } else if (arrival == egraph::Arrival::repeated) {
+    context_.publish(messages::channels::kGraphSnapshot, builder.graph().snapshot(id));
+  } else {
+    context_.status().count_rejected("KEYFRAME: " + update.error().message);
+    if (arrival != egraph::Arrival::early) return;
+    // Its predecessor was lost and will come again, unless the tracker had an answer from a server that is no more.
+    (*session)->asked_to_restore = true;
+    context_.publish(messages::channels::kRestoreRequest, messages::GraphRequest{id, builder.graph().version()});
   }
-  context_.publish(messages::channels::kGraphUpdate, *update);
-  context_.status().count_frame(milliseconds_since(start));
 }
 
 void EGraphServerService::on_request(const messages::GraphRequest& request) {
-  const auto found = sessions_.find(request.session);
+  if (!is_kept(request.session)) return;
+  const auto session = open(request.session);
+  if (!session) return context_.status().count_rejected("EGRAPH_REQUEST: " + session.error().message);
+  const egraph::GraphBuilder& builder = (*session)->builder;
+  const std::deque<egraph::GraphUpdate>& recent = builder.recent_updates();
+  const bool newcomer = request.have_version == 0;
+  if (newcomer || recent.empty() || request.have_version < recent.front().base_version) {
+    context_.publish(messages::channels::kGraphSnapshot, builder.graph().snapshot(request.session));
+    return;
+  }
+  for (const egraph::GraphUpdate& update : recent) {
+    if (update.base_version >= request.have_version) context_.publish(messages::channels::kGraphUpdate, update);
+  }
+}
+
+void EGraphServerService::on_restore(const egraph::GraphSnapshot& snapshot) {
+  const auto found = sessions_.find(snapshot.session);
   if (found == sessions_.end()) return;
-  context_.publish(messages::channels::kGraphSnapshot, found->second.graph().snapshot(request.session));
+  Session& session = found->second;
+  if (!session.asked_to_restore || snapshot.version <= session.builder.graph().version()) return;
+  egraph::BuilderState state;
+  auto taken = state.reset(snapshot);
+  if (taken && session.store) taken = session.store->replace(state.graph);
+  if (!taken) return context_.status().count_rejected("EGRAPH_RESTORE: " + taken.error().message);
+  session.builder = egraph::GraphBuilder(options_, std::move(state));
+  session.asked_to_restore = false;
 }
 
 base::Status EGraphServerService::save() {
   if (context_.options().out.empty()) return {};
-  for (const auto& [session, builder] : sessions_) {
-    const std::string name = sessions_.size() == 1 ? "egraph.json" : "egraph-" + std::to_string(session) + ".json";
-    const auto written = io::write_graph(context_.options().out / name, builder.graph().snapshot(session));
+  for (const auto& [id, session] : sessions_) {
+    const std::string name = sessions_.size() == 1 ? "egraph.json" : "egraph-" + std::to_string(id) + ".json";
+    const auto written = io::write_graph(context_.options().out / name, session.builder.graph().snapshot(id));
     if (!written) return written;
   }
   return {};

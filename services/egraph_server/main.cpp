@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 
 #include "common/io/config.hpp"
@@ -5,6 +7,7 @@
 
 int main(int argc, char** argv) {
   eg::egraph::GraphBuilderOptions options;
+  std::filesystem::path state;
   eg::service::ServiceProgram program;
   program.name = "egraph_server";
   program.description = "Keeps the extensibility graph: associates and fuses the scene directions of every keyframe";
@@ -14,9 +17,17 @@ int main(int argc, char** argv) {
         .field("potential_lifetime", options.potential_lifetime, {1, 10000}, "keyframes a single direction is kept")
         .field("min_landmark_sigma", options.min_landmark_sigma, {0.0, 0.1}, "radians");
   };
-  program.make =
-      [&options](eg::service::ServiceContext& context) -> eg::base::Result<std::unique_ptr<eg::service::Service>> {
-    return std::make_unique<eg::services::EGraphServerService>(context, options);
+  program.add_options = [&state](CLI::App& app) {
+    app.add_option("--state", state, "Folder that keeps the graphs, so that a restarted server goes on; else --out")
+        ->envname("EGRAPH_STATE");
+  };
+  program.make = [&options, &state](
+                     eg::service::ServiceContext& context) -> eg::base::Result<std::unique_ptr<eg::service::Service>> {
+    if (state.empty()) state = context.options().out;
+    if (const auto usable = eg::services::GraphStore::prepare_folder(state); !usable) {
+      return tl::make_unexpected(usable.error());
+    }
+    return std::make_unique<eg::services::EGraphServerService>(context, options, state);
   };
   return eg::service::run_service(program, argc, argv);
 }

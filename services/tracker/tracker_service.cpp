@@ -32,6 +32,9 @@ TrackerService::TrackerService(service::ServiceContext& context, tracking::Track
   context_.subscribe<egraph::GraphSnapshot>(
       messages::channels::kGraphSnapshot, 2,
       [this](const egraph::GraphSnapshot& snapshot) { on_graph_snapshot(snapshot); });
+  context_.subscribe<messages::GraphRequest>(
+      messages::channels::kRestoreRequest, 2,
+      [this](const messages::GraphRequest& request) { on_restore_request(request); });
   context_.subscribe<messages::EndOfStream>(messages::channels::kEndOfStream, 2,
                                             [this](const messages::EndOfStream& end) { on_end_of_stream(end); });
 }
@@ -70,6 +73,11 @@ void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& snapshot) {
   }
   forget_confirmed_keyframes();
   track_waiting_frames();
+}
+
+void TrackerService::on_restore_request(const messages::GraphRequest& request) {
+  if (request.session != session_ || request.have_version >= tracker_.graph().version()) return;
+  context_.publish(messages::channels::kRestore, tracker_.graph().snapshot(session_));
 }
 
 void TrackerService::on_end_of_stream(const messages::EndOfStream& end) {

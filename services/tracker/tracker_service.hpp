@@ -15,7 +15,7 @@ namespace eg::services {
 /// Lockstep: frames are tracked strictly in order, and after a keyframe the next frame waits for the server's update,
 /// so that the result does not depend on timing. A frame seen before is answered again, not tracked again. Real time:
 /// what waits is dropped for the newest frame; updates are applied when they come. Either way a keyframe is announced
-/// again until the server's update for it arrives.
+/// again until the server's update for it arrives. A server that has lost its graph gets the replica.
 class TrackerService : public service::Service {
  public:
   TrackerService(service::ServiceContext& context, tracking::TrackerOptions options);
@@ -29,6 +29,7 @@ class TrackerService : public service::Service {
   void on_features(const features::FrameFeatures& frame);
   void on_graph_update(const egraph::GraphUpdate& update);
   void on_graph_snapshot(const egraph::GraphSnapshot& snapshot);
+  void on_restore_request(const messages::GraphRequest& request);
   void on_end_of_stream(const messages::EndOfStream& end);
 
   void track_waiting_frames();

@@ -1,74 +1,10 @@
 #include "services/egraph_server/egraph_server_service.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "common/io/graph_json.hpp"
-#include "common/messages/channels.hpp"
-#include "tests/support/bus_peer.hpp"
-#include "tests/support/random_geometry.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/service/egraph_server/server_rig.hpp"
 
 namespace eg::services {
 namespace {
-
-namespace channels = messages::channels;
-using Eigen::Vector3d;
-
-/// A keyframe that sees the floor, a wall and the edges between them.
-egraph::Keyframe keyframe(std::int64_t session, int id) {
-  egraph::Keyframe result;
-  result.header = {session, 10 * id, 1'000'000 + 100'000 * id};
-  result.id = egraph::KeyframeId{id};
-  result.world_from_camera = {geometry::so3_exp({0, 0.1 * id, 0}), {0.1 * id, 0, 0}};
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vector3d direction = result.world_from_camera.rotation.transpose() * Vector3d::Unit(axis);
-    const auto kind = axis < 2 ? egraph::DirectionKind::plane_normal : egraph::DirectionKind::vanishing_direction;
-    result.directions.push_back({kind, direction, test::tangential_covariance(direction, 0.005), 50, -1});
-    result.plane_distances.push_back(axis < 2 ? 1.0 : std::nan(""));
-  }
-  if (id > 0) result.covisible = {{egraph::KeyframeId{id - 1}, 30}};
-  return result;
-}
-
-class EGraphServer : public testing::Test {
- protected:
-  explicit EGraphServer(service::ServiceOptions options = {}) : bus_(network_) {
-    options.name = "egraph_server";
-    options.out = folder_.path();
-    context_ = std::make_unique<service::ServiceContext>(bus_, options);
-    service_ = std::make_unique<EGraphServerService>(*context_, egraph::GraphBuilderOptions{});
-  }
-
-  /// Delivers until nobody has anything to say.
-  void settle() {
-    while (bus_.handle(std::chrono::milliseconds(0)).value_or(0) + peer_.handle() > 0) {
-    }
-  }
-
-  void send(const egraph::Keyframe& value) {
-    peer_.send(channels::kKeyframe, value);
-    settle();
-  }
-
-  void ask(std::int64_t session) {
-    peer_.send(channels::kGraphRequest, messages::GraphRequest{session, 0});
-    settle();
-  }
-
-  [[nodiscard]] messages::ServiceStatus status() { return context_->status().status(0); }
-  [[nodiscard]] bool written(const char* name) const { return std::filesystem::exists(folder_.path() / name); }
-
-  test::TemporaryFolder folder_;
-  std::shared_ptr<transport::MemoryNetwork> network_ = std::make_shared<transport::MemoryNetwork>();
-  transport::MemoryBus bus_;
-  test::BusPeer peer_{network_};
-  test::Inbox<egraph::GraphUpdate> updates_ = peer_.collect<egraph::GraphUpdate>(channels::kGraphUpdate);
-  test::Inbox<egraph::GraphSnapshot> snapshots_ = peer_.collect<egraph::GraphSnapshot>(channels::kGraphSnapshot);
-  std::unique_ptr<service::ServiceContext> context_;
-  std::unique_ptr<EGraphServerService> service_;
-};
 
 TEST_F(EGraphServer, AnswersEveryKeyframeWithAnUpdate) {
   egraph::Graph replica;
@@ -125,6 +61,17 @@ TEST_F(EGraphServer, AnswersARequestWithTheWholeGraph) {
   EXPECT_TRUE(replica.apply(updates_->back()).has_value());
 }
 
+TEST_F(EGraphServer, AReceiverThatMissedAFewUpdatesGetsThoseAgain) {
+  for (int id = 0; id < 6; ++id) send(keyframe(1, id));
+  const std::vector<egraph::GraphUpdate> first = *updates_;
+  updates_->clear();
+  ask(1, 4);
+  EXPECT_TRUE(snapshots_->empty());
+  ASSERT_EQ(updates_->size(), 2U);
+  EXPECT_EQ(messages::encode((*updates_)[0]), messages::encode(first[4]));
+  EXPECT_EQ(messages::encode((*updates_)[1]), messages::encode(first[5]));
+}
+
 TEST_F(EGraphServer, KnowsNothingOfAnUnknownSession) {
   send(keyframe(1, 0));
   ask(2);
@@ -144,6 +91,17 @@ TEST_F(EGraphServer, SessionsDoNotMix) {
   EXPECT_EQ((*snapshots_)[1].keyframes.size(), 2U);
   EXPECT_EQ((*snapshots_)[1].session, 7);
   EXPECT_EQ((*snapshots_)[1].landmarks.front().id, egraph::LandmarkId{0}) << "its own numbers";
+}
+
+TEST_F(EGraphServer, RefusesAnotherRecordingUnderTheSameSession) {
+  for (int id = 0; id < 3; ++id) send(keyframe(1, id));
+  egraph::Keyframe other = keyframe(1, 0);
+  other.header.utime += 5'000'000;
+  send(other);
+  EXPECT_EQ(updates_->size(), 3U);
+  EXPECT_NE(status().last_rejection.find("keyframe 0 is not the one that the graph of session 1 holds"),
+            std::string::npos)
+      << status().last_rejection;
 }
 
 TEST_F(EGraphServer, BoundsTheNumberOfSessions) {

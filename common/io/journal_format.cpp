@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "common/io/journal_format.hpp"
+
+namespace eg::io {
+namespace {
+
+constexpr std::string_view kMagic = "EGRAPHJ";
+constexpr char kFormatVersion = 1;
+constexpr std::size_t kRecordHeaderBytes = 9;  // length, checksum, kind
+
+template <typename Unsigned>
+void put(std::string& bytes, Unsigned value) {
+  for (std::size_t i = 0; i < sizeof(value); ++i) bytes.push_back(static_cast<char>(value >> (8U * i)));
+}
+
+template <typename Unsigned>
+Unsigned get(std::string_view bytes) {
+  Unsigned value = 0;
+  for (std::size_t i = sizeof(value); i-- > 0;) value = (value << 8U) | static_cast<unsigned char>(bytes[i]);
+  return value;
+}
+
+constexpr std::array<std::uint32_t, 256> make_crc_table() {
+  constexpr std::uint32_t kCastagnoli = 0x82f63b78U;  // reflected
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
+    std::uint32_t remainder = byte;
+    for (int bit = 0; bit < 8; ++bit) remainder = (remainder >> 1U) ^ ((remainder & 1U) != 0 ? kCastagnoli : 0U);
+    table[byte] = remainder;
+  }
+  return table;
+}
+
+std::uint32_t crc32c(std::string_view bytes, std::uint32_t crc = 0) {
+  static constexpr std::array<std::uint32_t, 256> kTable = make_crc_table();
+  crc = ~crc;
+  for (const char c : bytes) crc = (crc >> 8U) ^ kTable[(crc ^ static_cast<unsigned char>(c)) & 0xffU];
+  return ~crc;
+}
+
+/// Of length, kind and bytes: a wrong length would be taken for the next record's.
+std::uint32_t checksum_of(const JournalRecord& record) {
+  std::string head;
+  put(head, static_cast<std::uint32_t>(record.bytes.size()));
+  head.push_back(static_cast<char>(record.kind));
+  return crc32c(record.bytes, crc32c(head));
+}
+
+std::string header(std::uint64_t schema) {
+  std::string bytes(kMagic);
+  bytes.push_back(kFormatVersion);
+  put(bytes, schema);
+  return bytes;
+}
+
+base::Status check_header(std::string_view bytes, std::uint64_t schema) {
+  if (bytes.size() < kJournalHeaderBytes || !bytes.starts_with(kMagic))
+    return base::fail("is no journal of E-Graph SLAM");
+  const int version = static_cast<unsigned char>(bytes[kMagic.size()]);
+  if (version != kFormatVersion) {
+    return base::fail("is a journal of format version " + std::to_string(version) + ", not " +
+                      std::to_string(kFormatVersion));
+  }
+  if (get<std::uint64_t>(bytes.substr(kMagic.size() + 1)) != schema) {
+    return base::fail("was written by a version of this program with other message types");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string format_journal_record(const JournalRecord& record) {
+  std::string bytes;
+  bytes.reserve(kRecordHeaderBytes + record.bytes.size());
+  put(bytes, static_cast<std::uint32_t>(record.bytes.size()));
+  put(bytes, checksum_of(record));
+  bytes.push_back(static_cast<char>(record.kind));
+  bytes.append(record.bytes);
+  return bytes;
+}
+
+std::string format_journal(std::uint64_t schema, std::span<const JournalRecord> records) {
+  std::string bytes = header(schema);
+  for (const JournalRecord& record : records) bytes.append(format_journal_record(record));
+  return bytes;
+}
+
+base::Result<JournalContents> parse_journal(std::string_view bytes, std::uint64_t schema) {
+  if (const auto sound = check_header(bytes, schema); !sound) return tl::make_unexpected(sound.error());
+  JournalContents contents;
+  contents.sound_bytes = kJournalHeaderBytes;
+  while (contents.sound_bytes < bytes.size()) {
+    const std::string_view rest = bytes.substr(contents.sound_bytes);
+    const std::string name = "record " + std::to_string(contents.records.size());
+    const std::size_t length = rest.size() < kRecordHeaderBytes ? rest.size() : get<std::uint32_t>(rest);
+    if (length > rest.size() - std::min(rest.size(), kRecordHeaderBytes)) {
+      contents.damage = name + " is cut short";
+      break;
+    }
+    const JournalRecord record{static_cast<std::uint8_t>(rest[8]), rest.substr(kRecordHeaderBytes, length)};
+    if (get<std::uint32_t>(rest.substr(4)) != checksum_of(record)) {
+      contents.damage = name + " has a wrong checksum";
+      break;
+    }
+    contents.records.push_back(record);
+    contents.sound_bytes += kRecordHeaderBytes + length;
+  }
+  return contents;
+}
+
+}  // namespace eg::io

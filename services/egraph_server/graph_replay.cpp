@@ -1,0 +1,71 @@
+#include "services/egraph_server/graph_replay.hpp"
+
+#include <utility>
+
+#include "common/io/journal.hpp"
+
+namespace eg::services {
+namespace {
+
+messages::ByteView bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+std::uint64_t fingerprint(const messages::Bytes& message) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof(value); ++i) value = value << 8U | message[i];
+  return value;
+}
+
+class Replay {
+ public:
+  Replay(std::int64_t session, ReplayedGraph& result) : session_(session), result_(result) {}
+
+  base::Status add(const io::JournalRecord& record) {
+    switch (static_cast<RecordKind>(record.kind)) {
+      case RecordKind::snapshot:
+        return take<egraph::GraphSnapshot>(record.bytes);
+      case RecordKind::update:
+        return take<egraph::GraphUpdate>(record.bytes);
+    }
+    return base::fail("is of an unknown kind");
+  }
+
+ private:
+  template <typename Message>
+  base::Status take(std::string_view bytes) {
+    const auto message = messages::decode<Message>(bytes_of(bytes));
+    if (!message) return tl::make_unexpected(message.error());
+    if (message->session == session_) return put(*message);
+    return base::fail("belongs to session " + std::to_string(message->session) + ", not " + std::to_string(session_));
+  }
+
+  base::Status put(const egraph::GraphSnapshot& snapshot) { return result_.state.reset(snapshot); }
+  base::Status put(const egraph::GraphUpdate& update) { return result_.state.apply(update); }
+
+  std::int64_t session_;
+  ReplayedGraph& result_;
+};
+
+}  // namespace
+
+std::uint64_t journal_schema() {
+  return fingerprint(messages::encode(egraph::GraphUpdate{})) ^ fingerprint(messages::encode(egraph::GraphSnapshot{}));
+}
+
+base::Result<ReplayedGraph> replay_journal(std::string_view bytes, std::int64_t session) {
+  auto contents = io::parse_journal(bytes, journal_schema());
+  if (!contents) return tl::make_unexpected(contents.error());
+  ReplayedGraph result;
+  Replay replay(session, result);
+  for (std::size_t i = 0; i < contents->records.size(); ++i) {
+    if (const auto added = replay.add(contents->records[i]); !added) {
+      return base::fail("record " + std::to_string(i) + ": " + added.error().message);
+    }
+  }
+  result.sound_bytes = contents->sound_bytes;
+  result.damage = std::move(contents->damage);
+  return result;
+}
+
+}  // namespace eg::services

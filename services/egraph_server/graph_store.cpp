@@ -1,0 +1,94 @@
+#include "services/egraph_server/graph_store.hpp"
+
+#include <system_error>
+#include <utility>
+
+#include "common/io/text_file.hpp"
+#include "common/messages/codec.hpp"
+#include "services/egraph_server/graph_replay.hpp"
+
+namespace eg::services {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kExtension[] = ".journal";
+
+std::string_view text_of(const messages::Bytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+tl::unexpected<base::Error> about(const fs::path& path, const std::string& what) {
+  return base::fail(path.string() + ": " + what);
+}
+
+/// Copies a journal with a damaged end, for a person to look at. Returns what to tell that person.
+std::string put_aside(const fs::path& path, const std::string& damage) {
+  fs::path copy = path;
+  copy += ".damaged";
+  std::error_code failure;
+  fs::copy_file(path, copy, fs::copy_options::overwrite_existing, failure);
+  const std::string where = failure ? "no copy could be kept: " + failure.message() : "a copy is in " + copy.string();
+  return path.string() + ": " + damage + ", the graph goes on from the record before; " + where;
+}
+
+}  // namespace
+
+GraphStore::GraphStore(const fs::path& folder, std::int64_t session)
+    : path_(folder / ("graph-" + std::to_string(session) + kExtension)), session_(session) {}
+
+base::Status GraphStore::prepare_folder(const fs::path& folder) {
+  if (folder.empty()) return {};
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure) return about(folder, "cannot be made: " + failure.message());
+  for (const auto& entry : fs::directory_iterator(folder, failure)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("graph-") || !name.ends_with(kExtension)) continue;
+    if (const auto sound = io::check_journal(entry.path(), journal_schema()); !sound) return sound;
+  }
+  if (failure) return about(folder, "cannot be read: " + failure.message());
+  return {};
+}
+
+base::Result<StoredGraph> GraphStore::load() {
+  if (!fs::exists(path_)) return StoredGraph{};
+  const auto bytes = io::read_file(path_);
+  if (!bytes) return tl::make_unexpected(bytes.error());
+  auto replayed = replay_journal(*bytes, session_);
+  if (!replayed) return about(path_, replayed.error().message);
+  StoredGraph stored{std::move(replayed->state), ""};
+  if (!replayed->damage.empty()) stored.warning = put_aside(path_, replayed->damage);
+  auto journal = io::Journal::open(path_, replayed->sound_bytes);
+  if (!journal) return tl::make_unexpected(journal.error());
+  journal_ = std::move(*journal);
+  version_ = stored.state.graph.version();
+  return stored;
+}
+
+base::Status GraphStore::append(const egraph::GraphUpdate& update) {
+  if (update.version <= version_) return {};
+  if (update.base_version != version_) return about(path_, "an update before this one could not be written yet");
+  const messages::Bytes bytes = messages::encode(update);
+  const io::JournalRecord record{static_cast<std::uint8_t>(RecordKind::update), text_of(bytes)};
+  if (const auto written = journal_ ? journal_->append(record) : begin({&record, 1}); !written) return written;
+  version_ = update.version;
+  return {};
+}
+
+base::Status GraphStore::replace(const egraph::Graph& graph) {
+  const messages::Bytes bytes = messages::encode(graph.snapshot(session_));
+  const io::JournalRecord record{static_cast<std::uint8_t>(RecordKind::snapshot), text_of(bytes)};
+  if (const auto written = begin({&record, 1}); !written) return written;
+  version_ = graph.version();
+  return {};
+}
+
+base::Status GraphStore::begin(std::span<const io::JournalRecord> records) {
+  auto journal = io::Journal::create(path_, journal_schema(), records);
+  if (!journal) return tl::make_unexpected(journal.error());
+  journal_ = std::move(*journal);
+  return {};
+}
+
+}  // namespace eg::services

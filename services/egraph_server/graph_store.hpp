@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "common/base/result.hpp"
+#include "common/egraph/graph_builder.hpp"
+#include "common/io/journal.hpp"
+
+namespace eg::services {
+
+/// What was kept of a session.
+struct StoredGraph {
+  egraph::BuilderState state;
+  std::string warning;  ///< what was lost and where it was put aside; empty: nothing
+};
+
+/// One session's graph on disk, graph-<session>.journal: the updates, and at its beginning perhaps a snapshot, as the
+/// messages that carry them. Every update is on the disk before it is sent, so that a server that was killed comes back
+/// with everything it has ever answered.
+class GraphStore {
+ public:
+  /// Makes the folder unless it is there, or its name is empty. Refuses journals in it that this program cannot read,
+  /// by name, before any session needs them.
+  static base::Status prepare_folder(const std::filesystem::path& folder);
+
+  GraphStore(const std::filesystem::path& folder, std::int64_t session);
+
+  [[nodiscard]] bool exists() const { return std::filesystem::exists(path_); }
+
+  /// The graph as it was; an empty one if nothing was kept. A damaged end (a write cut short, bits turned over) is put
+  /// aside as graph-<session>.journal.damaged, and the graph is as the last sound record left it. Refuses a journal of
+  /// another version, another session's, and one that contradicts itself.
+  base::Result<StoredGraph> load();
+
+  /// Keeps an update that leads on from what is kept; one that is kept already is ignored.
+  base::Status append(const egraph::GraphUpdate& update);
+
+  /// Keeps a graph in the place of whatever is kept.
+  base::Status replace(const egraph::Graph& graph);
+
+ private:
+  /// A new journal in the place of whatever is there.
+  base::Status begin(std::span<const io::JournalRecord> records);
+
+  std::filesystem::path path_;
+  std::int64_t session_;
+  std::optional<io::Journal> journal_;
+  std::int64_t version_ = 0;  ///< of the graph that is kept
+};
+
+}  // namespace eg::services

@@ -1,0 +1,154 @@
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "common/io/text_file.hpp"
+#include "tests/service/egraph_server/server_rig.hpp"
+
+namespace eg::services {
+namespace {
+
+constexpr char kJournal[] = "graph-1.journal";
+
+class RestartedServer : public EGraphServer {
+ protected:
+  messages::Bytes graph_of_server() {
+    snapshots_->clear();
+    ask(1);
+    return snapshots_->empty() ? messages::Bytes() : messages::encode(snapshots_->back());
+  }
+  void change_file(const std::function<void(std::string&)>& change) {
+    std::string bytes = io::read_file(file(kJournal)).value();
+    change(bytes);
+    std::ofstream(file(kJournal), std::ios::binary | std::ios::trunc) << bytes;
+  }
+};
+
+TEST_F(RestartedServer, GoesOnWhereItWasKilled) {
+  for (int id = 0; id < 3; ++id) send(keyframe(1, id));
+  const messages::Bytes before = graph_of_server();
+  restart();
+  EXPECT_EQ(graph_of_server(), before);
+  send(keyframe(1, 3));
+  EXPECT_EQ(status().rejected, 0) << status().last_rejection;
+  ASSERT_EQ(updates_->size(), 4U);
+  EXPECT_EQ(updates_->back().base_version, 3);
+
+  EGraphServer::restart();
+  send(keyframe(1, 4));
+  EXPECT_EQ(updates_->back().base_version, 4) << "the second life is kept too";
+}
+
+TEST_F(RestartedServer, IsTheSameAsOneThatWasNeverKilled) {
+  for (int id = 0; id < 20; ++id) {
+    send(keyframe(1, id));
+    send(keyframe(2, id));  // the same in session 2, but the server is killed all the time
+    if (id % 3 == 0) restart();
+  }
+  std::vector<messages::Bytes> disturbed;
+  for (egraph::GraphUpdate update : *updates_) {
+    update.session = 0;
+    disturbed.push_back(messages::encode(update));
+  }
+  egraph::GraphBuilder undisturbed;
+  for (int id = 0; id < 20; ++id) {
+    const messages::Bytes expected = messages::encode(undisturbed.add_keyframe(keyframe(0, id)).value());
+    EXPECT_EQ(disturbed[static_cast<std::size_t>(2 * id)], expected);
+    EXPECT_EQ(disturbed[static_cast<std::size_t>(2 * id + 1)], expected);
+  }
+}
+
+TEST_F(RestartedServer, RepeatsTheAnswersOfItsFirstLife) {
+  for (int id = 0; id < 3; ++id) send(keyframe(1, id));
+  restart();
+  send(keyframe(1, 2));
+  ASSERT_EQ(updates_->size(), 4U);
+  EXPECT_EQ(messages::encode(updates_->back()), messages::encode((*updates_)[2]));
+}
+
+TEST_F(RestartedServer, AWriteThatWasCutShortCostsOneKeyframe) {
+  for (int id = 0; id < 3; ++id) send(keyframe(1, id));
+  change_file([](std::string& bytes) { bytes.resize(bytes.size() - 5); });
+  restart();
+  send(keyframe(1, 2));  // not yet confirmed, had it really been cut short
+  EXPECT_EQ(status().rejected, 0) << status().last_rejection;
+  EXPECT_EQ(messages::encode(updates_->back()), messages::encode((*updates_)[2])) << "computed again, the same";
+  EXPECT_TRUE(written("graph-1.journal.damaged"));
+  const messages::Bytes before = graph_of_server();
+  restart();
+  EXPECT_EQ(graph_of_server(), before);
+}
+
+TEST_F(RestartedServer, TakesTheReplicaOfTheTrackerWhenItsFileIsGone) {
+  egraph::Graph replica;
+  for (int id = 0; id < 3; ++id) send(keyframe(1, id));
+  for (const egraph::GraphUpdate& update : *updates_) ASSERT_TRUE(replica.apply(update).has_value());
+  std::filesystem::remove(file(kJournal));
+  restart();
+  send(keyframe(1, 3));
+  ASSERT_EQ(restore_requests_->size(), 1U) << "keyframe 3 follows on what the server does not have";
+  EXPECT_EQ(restore_requests_->back().session, 1);
+  EXPECT_EQ(restore_requests_->back().have_version, 0);
+  peer_.send(channels::kRestore, replica.snapshot(1));
+  settle();
+  send(keyframe(1, 3));
+  ASSERT_EQ(updates_->size(), 4U);
+  EXPECT_TRUE(replica.apply(updates_->back()).has_value());
+  restart();
+  EXPECT_EQ(graph_of_server(), messages::encode(replica.snapshot(1))) << "what was restored is kept";
+}
+
+TEST_F(RestartedServer, TakesNoReplicaThatItDidNotAskFor) {
+  egraph::GraphBuilder other;
+  for (int id = 0; id < 9; ++id) ASSERT_TRUE(other.add_keyframe(keyframe(1, id)).has_value());
+  send(keyframe(1, 0));
+  peer_.send(channels::kRestore, other.graph().snapshot(1));
+  settle();
+  send(keyframe(1, 1));
+  EXPECT_EQ(updates_->back().version, 2);
+}
+
+TEST_F(RestartedServer, LateJoinersGetTheGraphOfAFormerLife) {
+  for (int id = 0; id < 3; ++id) send(keyframe(1, id));
+  restart();
+  ask(1);
+  ASSERT_EQ(snapshots_->size(), 1U);
+  EXPECT_EQ(snapshots_->front().keyframes.size(), 3U) << "before any keyframe of this life";
+}
+
+TEST_F(RestartedServer, NamesAJournalThatItCannotRead) {
+  send(keyframe(1, 0));
+  ASSERT_TRUE(GraphStore::prepare_folder(folder_.path()).has_value());
+  change_file([](std::string& bytes) { bytes[7] = 9; });
+  const auto refused = GraphStore::prepare_folder(folder_.path());
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_NE(refused.error().message.find("graph-1.journal: is a journal of format version 9, not 1"), std::string::npos)
+      << refused.error().message;
+  restart();
+  send(keyframe(1, 1));
+  EXPECT_NE(status().last_rejection.find("graph-1.journal"), std::string::npos) << status().last_rejection;
+}
+
+TEST_F(RestartedServer, RefusesAJournalOfAnotherSession) {
+  send(keyframe(1, 0));
+  std::filesystem::rename(file(kJournal), file("graph-2.journal"));
+  restart();
+  send(keyframe(2, 0));
+  EXPECT_NE(status().last_rejection.find("graph-2.journal: record 0: belongs to session 1, not 2"), std::string::npos)
+      << status().last_rejection;
+}
+
+TEST_F(RestartedServer, AnswersNothingThatItCouldNotKeep) {
+  send(keyframe(1, 0));
+  std::filesystem::remove_all(folder_.path());
+  send(keyframe(2, 0));
+  EXPECT_EQ(updates_->size(), 1U);
+  EXPECT_NE(status().last_rejection.find("graph-2.journal: cannot be written"), std::string::npos)
+      << status().last_rejection;
+  std::filesystem::create_directories(folder_.path());
+  send(keyframe(2, 0));
+  EXPECT_EQ(updates_->size(), 2U) << "the tracker announces it again";
+}
+
+}  // namespace
+}  // namespace eg::services
