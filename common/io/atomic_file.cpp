@@ -5,7 +5,10 @@
 
 #include <cerrno>
 #include <cstring>
+#include <ostream>
+#include <streambuf>
 #include <string>
+#include <vector>
 
 namespace eg::io {
 namespace {
@@ -58,6 +61,28 @@ bool flush_folder(const std::filesystem::path& folder) {
   return flushed;
 }
 
+/// Lets a stream write into a TemporaryFile, in blocks.
+class FileBuffer : public std::streambuf {
+ public:
+  explicit FileBuffer(TemporaryFile& file) : file_(file) { setp(block_.data(), block_.data() + block_.size()); }
+
+ protected:
+  int_type overflow(int_type character) override {
+    if (sync() != 0) return traits_type::eof();
+    if (!traits_type::eq_int_type(character, traits_type::eof())) sputc(traits_type::to_char_type(character));
+    return traits_type::not_eof(character);
+  }
+  int sync() override {
+    const bool written = file_.write({pbase(), static_cast<std::size_t>(pptr() - pbase())});
+    setp(block_.data(), block_.data() + block_.size());
+    return written ? 0 : -1;
+  }
+
+ private:
+  TemporaryFile& file_;
+  std::vector<char> block_ = std::vector<char>(1 << 16);
+};
+
 }  // namespace
 
 base::Status write_file_atomically(const std::filesystem::path& path, std::string_view bytes, Durability durability) {
@@ -67,6 +92,21 @@ base::Status write_file_atomically(const std::filesystem::path& path, std::strin
   const bool to_disk = durability == Durability::machine;
   if (!file.write(bytes) || (to_disk && !file.flush()) || !file.rename_to(path)) return failed();
   if (to_disk && !flush_folder(path.parent_path())) return failed();
+  return {};
+}
+
+base::Status write_file_atomically(const std::filesystem::path& path,
+                                   const std::function<base::Status(std::ostream&)>& write) {
+  const auto failed = [&] { return base::fail(path.string() + ": cannot be written: " + std::strerror(errno)); };
+  TemporaryFile file(path);
+  if (!file.is_open()) return failed();
+  FileBuffer buffer(file);
+  std::ostream stream(&buffer);
+  errno = 0;
+  if (const base::Status written = write(stream); !written) {
+    return errno == ENOSPC ? failed() : base::fail(path.string() + ": " + written.error().message);
+  }
+  if (!stream.flush() || !file.rename_to(path)) return failed();
   return {};
 }
 

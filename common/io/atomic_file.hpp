@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <string_view>
 
 #include "common/base/result.hpp"
@@ -17,5 +19,9 @@ enum class Durability {
 /// that a reader, a crash or a full disk never leaves half a file under `path`. The error names the path and says why.
 base::Status write_file_atomically(const std::filesystem::path& path, std::string_view bytes,
                                    Durability durability = Durability::process);
+
+/// The same for what is too large to be held twice: `write` gets a stream. Its error is passed on.
+base::Status write_file_atomically(const std::filesystem::path& path,
+                                   const std::function<base::Status(std::ostream&)>& write);
 
 }  // namespace eg::io

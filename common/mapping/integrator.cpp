@@ -10,6 +10,7 @@
 
 #include "common/mapping/leaf_observer.hpp"
 #include "common/mapping/leaf_walk.hpp"
+#include "common/mapping/tile_block_reader.hpp"
 
 namespace eg::mapping {
 namespace {
@@ -95,7 +96,8 @@ bool is_empty(const LeafSums& sums) {
 IntegrationResult integrate_frame(const image::RectifiedFrame& frame, const geometry::Pose& world_from_camera,
                                   const TsdfOptions& options, Change change, TsdfGrids& grids) {
   const LeafObserver observer(frame, world_from_camera, options);
-  const auto leaves = leaves_near_surface(observer.view(), frame.camera, world_from_camera, options, kLeafSide);
+  auto leaves = leaves_near_surface(observer.view(), frame.camera, world_from_camera, options, kLeafSide);
+  std::erase_if(leaves, [&](const Eigen::Vector3i& leaf) { return !is_needed(options, leaf); });
   std::vector<LeafTask> tasks = make_tasks(leaves, grids);
   tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) { run_task(observer, change, tasks[i]); });
 

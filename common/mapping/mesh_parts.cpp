@@ -1,7 +1,9 @@
 #include "common/mapping/mesh_parts.hpp"
 
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 
 #include "common/base/check.hpp"
 
@@ -42,6 +44,29 @@ std::vector<Mesh> split_mesh(const Mesh& mesh, std::size_t max_bytes) {
     }
   }
   return parts;
+}
+
+Mesh join_meshes(const std::vector<Mesh>& meshes) {
+  Mesh joined;
+  std::map<std::array<float, 3>, std::uint32_t> vertex_at;
+  for (const Mesh& mesh : meshes) {
+    std::vector<std::uint32_t> joined_from_mesh;
+    joined_from_mesh.reserve(mesh.vertices.size());
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      const Eigen::Vector3f& at = mesh.vertices[i];
+      const auto [vertex, is_new] =
+          vertex_at.try_emplace({at.x(), at.y(), at.z()}, static_cast<std::uint32_t>(joined.vertices.size()));
+      joined_from_mesh.push_back(vertex->second);
+      if (!is_new) continue;
+      joined.vertices.push_back(at);
+      joined.normals.push_back(mesh.normals[i]);
+      joined.colours.push_back(mesh.colours[i]);
+    }
+    for (const auto& [a, b, c] : mesh.triangles) {
+      joined.triangles.push_back({joined_from_mesh[a], joined_from_mesh[b], joined_from_mesh[c]});
+    }
+  }
+  return joined;
 }
 
 }  // namespace eg::mapping

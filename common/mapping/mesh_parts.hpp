@@ -15,4 +15,8 @@ inline constexpr std::size_t kTriangleBytes = 6;
 /// Vertices that parts have in common are repeated. A mesh without triangles is one part without anything.
 std::vector<Mesh> split_mesh(const Mesh& mesh, std::size_t max_bytes);
 
+/// Joins meshes that have vertices at the very same places in common, as those of maps that share the space have along
+/// the borders of their tiles.
+Mesh join_meshes(const std::vector<Mesh>& meshes);
+
 }  // namespace eg::mapping

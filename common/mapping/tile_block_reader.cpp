@@ -6,6 +6,8 @@
 namespace eg::mapping {
 namespace {
 
+constexpr int kTilesPerShare = 4;  // side of a share's cubes
+
 int floor_divide(int value, int divisor) { return (value >= 0 ? value : value - divisor + 1) / divisor; }
 
 /// NaN where there is none.
@@ -73,6 +75,19 @@ void append_tiles_around_leaf(const Eigen::Vector3i& leaf, std::vector<Eigen::Ve
       for (int z = first(2); z <= last(2); ++z) tiles.emplace_back(x, y, z);
     }
   }
+}
+
+bool is_owned(const TsdfOptions& options, const Eigen::Vector3i& tile) {
+  const int cubes = floor_divide(tile.x(), kTilesPerShare) + floor_divide(tile.y(), kTilesPerShare) +
+                    floor_divide(tile.z(), kTilesPerShare);
+  return cubes - options.shares * floor_divide(cubes, options.shares) == options.share;
+}
+
+bool is_needed(const TsdfOptions& options, const Eigen::Vector3i& leaf) {
+  if (options.shares == 1) return true;
+  std::vector<Eigen::Vector3i> tiles;
+  append_tiles_around_leaf(leaf, tiles);
+  return std::any_of(tiles.begin(), tiles.end(), [&](const Eigen::Vector3i& tile) { return is_owned(options, tile); });
 }
 
 void sort_unique(std::vector<Eigen::Vector3i>& tiles) {

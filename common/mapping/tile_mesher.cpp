@@ -171,14 +171,25 @@ TileMesh mesh_tile(const TileBlock& block, double voxel_size, double max_step) {
   return Mesher(block, voxel_size, max_step).run();
 }
 
-Mesh weld(const std::vector<TileMesh>& tiles) {
-  Mesh joined;
-  std::unordered_map<std::uint64_t, std::uint32_t> shared;
+Mesh weld(std::vector<TileMesh> tiles) {
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
   for (const TileMesh& tile : tiles) {
+    vertices += tile.mesh.vertices.size();
+    triangles += tile.mesh.triangles.size();
+  }
+  Mesh joined;
+  joined.vertices.reserve(vertices);
+  joined.normals.reserve(vertices);
+  joined.colours.reserve(vertices);
+  joined.triangles.reserve(triangles);
+  std::unordered_map<std::uint64_t, std::uint32_t> shared;
+  for (TileMesh& tile : tiles) {
     const std::vector<std::uint32_t> joined_from_tile = append_vertices(tile, shared, joined);
     for (const auto& [a, b, c] : tile.mesh.triangles) {
       joined.triangles.push_back({joined_from_tile[a], joined_from_tile[b], joined_from_tile[c]});
     }
+    tile = {};
   }
   return joined;
 }

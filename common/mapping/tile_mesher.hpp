@@ -42,7 +42,7 @@ struct TileMesh {
 /// `max_step` metres (at a depth edge the front of one surface and the back of another meet, and there is none).
 TileMesh mesh_tile(const TileBlock& block, double voxel_size, double max_step);
 
-/// Joins tiles, given in the order that the mesh shall have, at their common vertices.
-Mesh weld(const std::vector<TileMesh>& tiles);
+/// Joins tiles, given in the order that the mesh shall have, at their common vertices. Frees each as it goes.
+Mesh weld(std::vector<TileMesh> tiles);
 
 }  // namespace eg::mapping

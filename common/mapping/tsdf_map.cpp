@@ -44,8 +44,13 @@ struct TsdfMap::Impl {
     if (auto status = check_input(frame, world_from_camera); !status) return tl::make_unexpected(status.error());
     const IntegrationResult result = integrate_frame(frame, world_from_camera, options, change, *grids);
     for (const Eigen::Vector3i& leaf : result.changed_leaves) append_tiles_around_leaf(leaf, changed_tiles);
+    keep_owned(changed_tiles);
     sort_unique(changed_tiles);
     return result.summary;
+  }
+
+  void keep_owned(std::vector<Eigen::Vector3i>& tiles) const {
+    std::erase_if(tiles, [this](const Eigen::Vector3i& tile) { return !is_owned(options, tile); });
   }
 
   [[nodiscard]] TileMesh mesh(const Eigen::Vector3i& tile) const {
@@ -74,10 +79,11 @@ base::Result<IntegrationSummary> TsdfMap::deintegrate(const image::RectifiedFram
 }
 
 Mesh TsdfMap::extract_mesh() const {
-  const std::vector<Eigen::Vector3i> tiles = tiles_with_leaves(*impl_->grids);
+  std::vector<Eigen::Vector3i> tiles = tiles_with_leaves(*impl_->grids);
+  impl_->keep_owned(tiles);
   std::vector<TileMesh> meshes(tiles.size());
   tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) { meshes[i] = impl_->mesh(tiles[i]); });
-  return weld(meshes);
+  return weld(std::move(meshes));
 }
 
 Mesh TsdfMap::extract_tile(const Eigen::Vector3i& tile) const { return impl_->mesh(tile).mesh; }
@@ -102,6 +108,7 @@ base::Result<TsdfMap> TsdfMap::read_vdb(std::istream& in, const TsdfOptions& opt
   TsdfMap map(options);
   map.impl_->grids = std::move(*grids);
   map.impl_->changed_tiles = tiles_with_leaves(*map.impl_->grids);
+  map.impl_->keep_owned(map.impl_->changed_tiles);
   return map;
 }
 

@@ -12,6 +12,9 @@ base::Status validate(const TsdfOptions& options) {
   if (!within(options.truncation_voxels, 2.0, 64.0)) return base::fail("truncation_voxels must be in [2, 64]");
   if (!within(options.truncation_sigmas, 0.0, 10.0)) return base::fail("truncation_sigmas must be in [0, 10]");
   if (!within(options.max_gradient, 1.0, 1000.0)) return base::fail("max_gradient must be in [1, 1000]");
+  if (options.shares < 1 || options.share < 0 || options.share >= options.shares) {
+    return base::fail("share must be in [0, shares)");
+  }
   return {};
 }
 

@@ -16,6 +16,10 @@ struct TsdfOptions {
   double truncation_sigmas = 2.0;  ///< and at least this many standard deviations of the reading
   double max_gradient = 3.0;  ///< a step above this many voxel sizes from voxel to voxel is a depth edge, no surface
 
+  // Several maps may share the space: each knows what lies in its own tiles and, up to a leaf, around them.
+  int share = 0;   ///< number of this map's share, from 0
+  int shares = 1;  ///< how many maps there are
+
   bool operator==(const TsdfOptions&) const = default;
 };
 

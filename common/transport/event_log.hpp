@@ -45,6 +45,7 @@ class EventLogReader {
 
   /// Where next() reads: the offset of an event.
   void seek(std::uint64_t offset) { position_ = offset; }
+  [[nodiscard]] std::uint64_t position() const { return position_; }
 
  private:
   struct Header {
@@ -69,6 +70,9 @@ class EventLogReader {
 class EventLogWriter {
  public:
   static base::Result<EventLogWriter> create(const std::filesystem::path& path);
+
+  /// Goes on behind the first `size` bytes of a log, which hold `events` whole events; what follows them is cut off.
+  static base::Result<EventLogWriter> append(const std::filesystem::path& path, std::uint64_t size, std::int64_t events);
 
   /// @param channel as it is on the network, with its prefix
   base::Status write(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t utime);

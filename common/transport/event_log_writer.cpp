@@ -19,6 +19,18 @@ base::Result<EventLogWriter> EventLogWriter::create(const std::filesystem::path&
   return EventLogWriter(std::move(file), path);
 }
 
+base::Result<EventLogWriter> EventLogWriter::append(const std::filesystem::path& path, std::uint64_t size,
+                                                    std::int64_t events) {
+  std::error_code error;
+  std::filesystem::resize_file(path, size, error);
+  if (error) return base::fail("cannot write the log " + path.string() + ": " + error.message());
+  std::ofstream file(path, std::ios::binary | std::ios::app);
+  if (!file) return base::fail("cannot write the log " + path.string() + reason());
+  EventLogWriter writer(std::move(file), path);
+  writer.events_written_ = events;
+  return writer;
+}
+
 base::Status EventLogWriter::write(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t utime) {
   if (channel.empty() || channel.size() > kMaxChannelLength || bytes.size() > kMaxMessageBytes) {
     return base::fail("a message of " + std::to_string(bytes.size()) + " bytes on channel '" + std::string(channel) +

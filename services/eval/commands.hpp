@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/result.hpp"
 
@@ -31,6 +32,9 @@ struct MeshAlignment {
 };
 base::Result<Report> report_mesh(const std::filesystem::path& mesh, const std::filesystem::path& reference,
                                  const std::optional<MeshAlignment>& alignment);
+
+/// Joins the meshes of mappers that share the space (egraph-mapper --tiles) along the borders of their tiles.
+base::Result<Report> join_mesh_files(const std::filesystem::path& out, const std::vector<std::string>& parts);
 
 /// What a picture is made of; empty paths are left out.
 struct PictureFiles {

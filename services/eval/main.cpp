@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "services/eval/commands.hpp"
 #include "services/eval/report_command.hpp"
@@ -36,6 +37,7 @@ struct Arguments {
   eg::service::PictureFiles picture;
   eg::service::ReportFiles report;
   std::string out;
+  std::vector<std::string> parts;
   bool y_up = false;
   std::string root;
   std::string configs;
@@ -74,6 +76,14 @@ CLI::App* add_report_command(CLI::App& app, Arguments& arguments) {
   return command;
 }
 
+CLI::App* add_join_command(CLI::App& app, Arguments& arguments) {
+  CLI::App* command = app.add_subcommand("join", "join the meshes of mappers that share the space (--tiles) into one");
+  command->add_option("OUT", arguments.out, "PLY file to write")->required();
+  command->add_option("PARTS", arguments.parts, "mesh.0.ply mesh.1.ply ...")->required();
+  command->add_flag("--json", arguments.json, "print JSON");
+  return command;
+}
+
 CLI::App* add_runs_command(CLI::App& app, Arguments& arguments, const char* name, const char* what) {
   CLI::App* command = app.add_subcommand(name, what);
   command->add_option("ROOT", arguments.root, "folder with recordings, at any depth")->required();
@@ -104,6 +114,7 @@ int main(int argc, char** argv) {
   truth->needs(estimate);
   const auto* render = add_render_command(app, arguments);
   const auto* report = add_report_command(app, arguments);
+  const auto* join = add_join_command(app, arguments);
   const auto* table = add_runs_command(
       app, arguments, "table", "run egraph-run on every known sequence, print the paper's tables with our column");
   auto* ablation = add_runs_command(app, arguments, "ablation", "the same with parts switched off by configurations");
@@ -128,6 +139,7 @@ int main(int argc, char** argv) {
     return finish(render_edges(arguments.estimate, arguments.y_up, arguments.out), arguments.json);
   }
   if (report->parsed()) return finish(report_run(arguments.report, arguments.y_up), false);
+  if (join->parsed()) return finish(join_mesh_files(arguments.out, arguments.parts), arguments.json);
   if (table->parsed()) return finish(print_table(arguments.root, arguments.plan));
   if (ablation->parsed()) return finish(print_ablation(arguments.root, arguments.configs, arguments.plan));
   std::optional<MeshAlignment> alignment;

@@ -4,15 +4,14 @@
 #include <utility>
 
 #include "common/base/check.hpp"
-#include "common/codec/colour_codec.hpp"
-#include "common/codec/depth_codec.hpp"
 #include "common/geometry/so3.hpp"
 
 namespace eg::services {
 namespace {
 
-constexpr int kJpegQuality = 95;  // colour has been through JPEG once already
 constexpr double kMaxRotation = 0.5 * std::numbers::pi / 180.0;
+
+std::size_t bytes_of(const messages::CompressedFrame& frame) { return frame.colour.size() + frame.depth.size(); }
 
 bool is_same(const geometry::Pose& a, const geometry::Pose& b) {
   return a.rotation == b.rotation && a.translation == b.translation;
@@ -28,30 +27,19 @@ bool is_far(const geometry::Pose& a, const geometry::Pose& b, double max_distanc
 KeyframeMap::KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget)
     : field_(options), image_budget_(image_budget) {}
 
-KeyframeMap::Images KeyframeMap::compress(const image::RgbdFrame& frame) {
-  return {frame.camera, codec::encode_colour(frame.colour, codec::ColourEncoding::jpeg, kJpegQuality),
-          codec::encode_depth(frame.depth)};
+base::Result<image::RectifiedFrame> KeyframeMap::restore(const messages::CompressedFrame& images) {
+  return messages::decompress(images).map([this](const image::RgbdFrame& frame) { return rectifier_.rectify(frame); });
 }
 
-base::Result<image::RectifiedFrame> KeyframeMap::restore(const Images& images) {
-  const geometry::CameraModel& camera = images.camera;
-  const auto colour = codec::decode_colour(images.colour, codec::ColourEncoding::jpeg, camera.width, camera.height);
-  if (!colour) return tl::make_unexpected(colour.error());
-  const auto depth = codec::decode_depth(images.depth, camera.width, camera.height);
-  if (!depth) return tl::make_unexpected(depth.error());
-  return rectifier_.rectify({{}, camera, *colour, *depth});
-}
-
-base::Status KeyframeMap::integrate(egraph::KeyframeId id, const image::RgbdFrame& frame,
+base::Status KeyframeMap::integrate(egraph::KeyframeId id, const messages::CompressedFrame& frame,
                                     const geometry::Pose& world_from_camera) {
   if (keyframes_.contains(id)) return {};
-  Images images = compress(frame);
-  const auto restored = restore(images);
+  const auto restored = restore(frame);
   if (!restored) return tl::make_unexpected(restored.error());
   const auto integrated = field_.integrate(*restored, world_from_camera);
   if (!integrated) return tl::make_unexpected(integrated.error());
-  image_bytes_ += images.bytes();
-  keyframes_[id] = {world_from_camera, std::move(images)};
+  image_bytes_ += bytes_of(frame);
+  keyframes_[id] = {world_from_camera, frame};
   drop_oldest_images();
   note_if_far(id);
   return {};
@@ -60,7 +48,7 @@ base::Status KeyframeMap::integrate(egraph::KeyframeId id, const image::RgbdFram
 void KeyframeMap::drop_oldest_images() {
   for (auto it = keyframes_.begin(); it != keyframes_.end() && image_bytes_ > image_budget_; ++it) {
     if (!it->second.images) continue;
-    image_bytes_ -= it->second.images->bytes();
+    image_bytes_ -= bytes_of(*it->second.images);
     it->second.images.reset();
     far_.erase(it->first);
   }

@@ -8,22 +8,24 @@
 #include <vector>
 
 #include "common/image/rectifier.hpp"
-#include "common/image/rgbd_frame.hpp"
 #include "common/mapping/tsdf_map.hpp"
+#include "common/messages/codec.hpp"
 #include "common/tracking/pose_estimate.hpp"
 
 namespace eg::services {
 
 /// The dense map as a function of the keyframes and their latest poses. It keeps each keyframe's compressed images, so
-/// that a keyframe whose pose is corrected can be taken out of the field and put back where it belongs. What goes into
-/// the field are the images as they come out of the compression: only those can be taken out again exactly.
+/// that a keyframe whose pose is corrected can be taken out of the field and put back where it belongs.
 class KeyframeMap {
  public:
   /// @param image_budget bytes of compressed images kept; beyond it the oldest keyframes stay where they are
   KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget);
 
   /// Fuses a keyframe. One that is there already changes nothing.
-  base::Status integrate(egraph::KeyframeId id, const image::RgbdFrame& frame, const geometry::Pose& world_from_camera);
+  base::Status integrate(egraph::KeyframeId id, const messages::CompressedFrame& frame,
+                         const geometry::Pose& world_from_camera);
+
+  [[nodiscard]] bool contains(egraph::KeyframeId id) const { return keyframes_.contains(id); }
 
   /// Takes note of new poses, also of keyframes that are yet to come. Older versions than the known ones are ignored.
   void correct(const tracking::PoseCorrection& correction);
@@ -36,28 +38,21 @@ class KeyframeMap {
   void settle();
 
   [[nodiscard]] mapping::TsdfMap& field() { return field_; }
+  [[nodiscard]] const mapping::TsdfMap& field() const { return field_; }
   [[nodiscard]] std::size_t keyframe_count() const { return keyframes_.size(); }
   [[nodiscard]] std::size_t image_bytes() const { return image_bytes_; }
 
  private:
-  struct Images {
-    geometry::CameraModel camera;
-    std::vector<std::uint8_t> colour;  ///< JPEG
-    std::vector<std::uint8_t> depth;   ///< codec::encode_depth
-
-    [[nodiscard]] std::size_t bytes() const { return colour.size() + depth.size(); }
-  };
   struct Keyframe {
-    geometry::Pose world_from_camera;  ///< where it is in the field
-    std::optional<Images> images;      ///< none: dropped for the budget
+    geometry::Pose world_from_camera;                 ///< where it is in the field
+    std::optional<messages::CompressedFrame> images;  ///< none: dropped for the budget
   };
   struct LatestPose {
     std::int64_t version = 0;
     geometry::Pose world_from_camera;
   };
 
-  [[nodiscard]] static Images compress(const image::RgbdFrame& frame);
-  [[nodiscard]] base::Result<image::RectifiedFrame> restore(const Images& images);
+  [[nodiscard]] base::Result<image::RectifiedFrame> restore(const messages::CompressedFrame& images);
   void drop_oldest_images();
   void note_if_far(egraph::KeyframeId id);
   void move(egraph::KeyframeId id);

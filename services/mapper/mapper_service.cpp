@@ -1,7 +1,10 @@
 #include "services/mapper/mapper_service.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <chrono>
-#include <sstream>
+#include <iterator>
+#include <ostream>
 
 #include "common/io/atomic_file.hpp"
 #include "common/io/ply.hpp"
@@ -10,9 +13,9 @@
 namespace eg::services {
 namespace {
 
-constexpr std::int64_t kMaxAhead = 16;        // frames in lockstep; the source sends fewer ahead
-constexpr std::size_t kMaxRecentFrames = 32;  // one second, in real time: what a pose may take
-constexpr int kRealtimeFrameQueue = 8;        // while a keyframe is being fused
+constexpr std::int64_t kMaxAhead = 16;         // frames in lockstep; the source sends fewer ahead
+constexpr std::int64_t kMaxRecentFrames = 32;  // one second, in real time: what a pose may take
+constexpr int kRealtimeFrameQueue = 8;         // while a keyframe is being fused
 constexpr double kMicroseconds = 1e6;
 constexpr std::size_t kMegabyte = 1'000'000;
 
@@ -25,9 +28,11 @@ bool is_mapped(const tracking::PoseEstimate& pose) {
 MapperService::MapperService(service::ServiceContext& context, const MapperOptions& options)
     : context_(context),
       map_(options.tsdf, static_cast<std::size_t>(options.image_budget) * kMegabyte),
-      mesh_stream_(static_cast<std::int64_t>(options.mesh_period * kMicroseconds)) {
-  context_.subscribe<image::RgbdFrame>(messages::channels::kRgbd, context_.options().lockstep ? 0 : kRealtimeFrameQueue,
-                                       [this](const image::RgbdFrame& frame) { on_frame(frame); });
+      mesh_stream_(static_cast<std::int64_t>(options.mesh_period * kMicroseconds)),
+      resume_(options.resume) {
+  context_.subscribe<messages::CompressedFrame>(messages::channels::kRgbd,
+                                                context_.options().lockstep ? 0 : kRealtimeFrameQueue,
+                                                [this](const messages::CompressedFrame& frame) { on_frame(frame); });
   context_.subscribe<tracking::PoseEstimate>(messages::channels::kPose, 0,
                                              [this](const tracking::PoseEstimate& pose) { on_pose(pose); });
   context_.subscribe<tracking::PoseCorrection>(
@@ -39,6 +44,58 @@ MapperService::MapperService(service::ServiceContext& context, const MapperOptio
                                             });
 }
 
+std::string MapperService::with_share(const std::string& name) const {
+  const mapping::TsdfOptions& options = map_.field().options();
+  return options.shares == 1 ? name : name + "." + std::to_string(options.share);
+}
+
+base::Status MapperService::open_journal() {
+  if (context_.options().out.empty()) return {};
+  const std::filesystem::path path = context_.options().out / (with_share("mapper") + ".journal");
+  auto journal = resume_ ? Journal::resume(path, [this](const transport::LogEvent& event) { return replay(event); })
+                         : Journal::create(path);
+  if (!journal) return tl::make_unexpected(journal.error());
+  journal_ = std::move(*journal);
+  return {};
+}
+
+base::Status MapperService::replay(const transport::LogEvent& event) {
+  const auto apply = [&]<typename T>(auto handle) -> base::Status {
+    const auto value = messages::decode<T>(event.bytes);
+    if (!value) return tl::make_unexpected(value.error());
+    handle(*value);
+    return {};
+  };
+  if (event.channel == messages::channels::kRgbd) {
+    return apply.operator()<messages::CompressedFrame>([this](const auto& frame) { replayed_ = frame; });
+  }
+  if (event.channel == messages::channels::kPose) {
+    return apply.operator()<tracking::PoseEstimate>([this](const auto& pose) {
+      session_ = pose.header.session;
+      if (replayed_) integrate(*replayed_, pose);
+    });
+  }
+  if (event.channel == messages::channels::kPoseCorrection) {
+    return apply.operator()<tracking::PoseCorrection>([this](const auto& correction) { map_.correct(correction); });
+  }
+  if (event.channel == messages::channels::kAcknowledge) {
+    return apply.operator()<messages::Acknowledge>([this](const auto& acknowledge) {
+      session_ = acknowledge.session;
+      next_sequence_ = acknowledge.sequence + 1;
+    });
+  }
+  return base::fail("a journal has no channel " + event.channel);
+}
+
+template <typename T>
+void MapperService::note(const char* channel, const T& value) {
+  if (!journal_) return;
+  const base::Status written = journal_->add(channel, value);
+  if (written) return;
+  spdlog::warn("a mapper that is killed from now on cannot resume: {}", written.error().message);
+  journal_.reset();
+}
+
 bool MapperService::is_my_session(std::int64_t session, const char* channel) {
   if (!session_) session_ = session;
   if (session == *session_) return true;
@@ -46,13 +103,12 @@ bool MapperService::is_my_session(std::int64_t session, const char* channel) {
   return false;
 }
 
-void MapperService::on_frame(const image::RgbdFrame& frame) {
+void MapperService::on_frame(const messages::CompressedFrame& frame) {
   if (!is_my_session(frame.header.session, messages::channels::kRgbd)) return;
   const std::int64_t sequence = frame.header.sequence;
   if (!context_.options().lockstep) {
     frames_.insert_or_assign(sequence, frame);
-    if (frames_.size() > kMaxRecentFrames) frames_.erase(frames_.begin());
-    return;
+    return match_newest();
   }
   if (sequence < next_sequence_) return acknowledge_finished();
   if (sequence >= next_sequence_ + kMaxAhead) return;  // the source sends it again
@@ -64,9 +120,9 @@ void MapperService::on_pose(const tracking::PoseEstimate& pose) {
   if (!is_my_session(pose.header.session, messages::channels::kPose)) return;
   const std::int64_t sequence = pose.header.sequence;
   if (!context_.options().lockstep) {
-    const auto frame = frames_.find(sequence);
-    if (frame != frames_.end()) integrate(frame->second, pose);
-    return;
+    if (!is_mapped(pose)) return;
+    poses_.insert_or_assign(sequence, pose);
+    return match_newest();
   }
   if (sequence < next_sequence_ || sequence >= next_sequence_ + kMaxAhead) return;
   poses_.emplace(sequence, pose);
@@ -74,7 +130,23 @@ void MapperService::on_pose(const tracking::PoseEstimate& pose) {
 }
 
 void MapperService::on_correction(const tracking::PoseCorrection& correction) {
-  if (is_my_session(correction.session, messages::channels::kPoseCorrection)) map_.correct(correction);
+  if (!is_my_session(correction.session, messages::channels::kPoseCorrection)) return;
+  map_.correct(correction);
+  note(messages::channels::kPoseCorrection, correction);
+}
+
+void MapperService::match_newest() {
+  for (auto pose = poses_.begin(); pose != poses_.end();) {
+    const auto frame = frames_.find(pose->first);
+    const bool is_late = !frames_.empty() && pose->first + kMaxRecentFrames < frames_.rbegin()->first;
+    if (frame != frames_.end()) {
+      integrate(frame->second, pose->second);
+    } else if (is_late) {
+      spdlog::warn("the images of keyframe {} never came", pose->second.keyframe.value);
+    }
+    pose = frame != frames_.end() || is_late ? poses_.erase(pose) : std::next(pose);
+  }
+  while (frames_.size() > static_cast<std::size_t>(kMaxRecentFrames)) frames_.erase(frames_.begin());
 }
 
 void MapperService::work_off_in_order() {
@@ -89,22 +161,25 @@ void MapperService::work_off_in_order() {
   if (next_sequence_ > acknowledged_) acknowledge_finished();
 }
 
-void MapperService::integrate(const image::RgbdFrame& frame, const tracking::PoseEstimate& pose) {
-  if (!is_mapped(pose)) return;
+void MapperService::integrate(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose) {
+  if (!is_mapped(pose) || map_.contains(pose.keyframe)) return;
   const auto start = std::chrono::steady_clock::now();
   // Numbers of keyframes, not of frames: a gap is a keyframe that is missing in the map.
   context_.status().count_sequence(pose.header.session, pose.keyframe.value);
   if (const base::Status done = map_.integrate(pose.keyframe, frame, pose.world_from_camera); !done) {
     return context_.status().count_rejected(std::string(messages::channels::kRgbd) + ": " + done.error().message);
   }
+  note(messages::channels::kRgbd, frame);
+  note(messages::channels::kPose, pose);
   context_.status().count_frame(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
 }
 
 void MapperService::acknowledge_finished() {
   acknowledged_ = next_sequence_;
-  context_.publish(messages::channels::kAcknowledge,
-                   messages::Acknowledge{*session_, next_sequence_ - 1, context_.options().name});
+  const messages::Acknowledge done{*session_, next_sequence_ - 1, with_share(context_.options().name)};
+  note(messages::channels::kAcknowledge, done);
+  context_.publish(messages::channels::kAcknowledge, done);
 }
 
 void MapperService::idle(std::int64_t now_utime) {
@@ -119,12 +194,11 @@ base::Status MapperService::save() {
   const std::filesystem::path& out = context_.options().out;
   if (out.empty()) return {};
   map_.settle();
-  const mapping::Mesh mesh = map_.field().extract_mesh();
-  const base::Status ply = io::write_ply(out / "mesh.ply", io::view_of(mesh));
+  const std::string name = with_share("mesh");
+  const base::Status ply = io::write_ply(out / (name + ".ply"), io::view_of(map_.field().extract_mesh()));
   if (!ply) return ply;
-  std::ostringstream vdb;
-  if (const base::Status written = map_.field().write_vdb(vdb); !written) return written;
-  return io::write_file_atomically(out / "mesh.vdb", vdb.view());
+  return io::write_file_atomically(out / (name + ".vdb"),
+                                   [this](std::ostream& file) { return map_.field().write_vdb(file); });
 }
 
 }  // namespace eg::services

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <utility>
+
+#include "common/base/result.hpp"
+#include "common/messages/codec.hpp"
+#include "common/transport/event_log.hpp"
+
+namespace eg::services {
+
+/// What a mapper has worked in, on disk, so that one that was killed can go on where it stopped: an LCM log of the RGBD
+/// and POSE of every keyframe, of the POSE_CORRECTIONs and of the frames that are acknowledged, each written before the
+/// next message is looked at.
+class Journal {
+ public:
+  using Replay = std::function<base::Status(const transport::LogEvent&)>;
+
+  /// Begins a new journal in place of what is there.
+  static base::Result<Journal> create(const std::filesystem::path& path);
+
+  /// Hands everything that is there to `replay` and goes on behind it; without a file as create(). An event that the
+  /// process was killed in is cut off. Errors: damage before the end, what `replay` refuses; they name file and byte.
+  static base::Result<Journal> resume(const std::filesystem::path& path, const Replay& replay);
+
+  template <typename T>
+  base::Status add(const char* channel, const T& value) {
+    return add_bytes(channel, messages::encode(value));
+  }
+
+ private:
+  explicit Journal(transport::EventLogWriter writer) : writer_(std::move(writer)) {}
+
+  base::Status add_bytes(const char* channel, const messages::Bytes& bytes);
+
+  transport::EventLogWriter writer_;
+};
+
+}  // namespace eg::services

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/io/ply.hpp"
+#include "common/messages/channels.hpp"
+#include "common/synthetic/sequence.hpp"
+#include "common/transport/memory_bus.hpp"
+#include "services/mapper/mapper_service.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace eg::services {
+
+namespace channels = messages::channels;
+
+inline synthetic::SyntheticSequence small_sequence() {
+  synthetic::SequenceOptions options;
+  options.session = 7;
+  options.camera.width = 160;  // quick
+  options.camera.height = 120;
+  options.camera.fx /= 4.0;
+  options.camera.fy /= 4.0;
+  options.camera.cx = 79.5;
+  options.camera.cy = 59.5;
+  return synthetic::SyntheticSequence::make(options).value();
+}
+
+inline MapperOptions coarse() {
+  MapperOptions options;
+  options.tsdf.voxel_size = 0.05;
+  return options;
+}
+
+inline std::string read_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// A mapper and the rest of the system, which is the test.
+class Harness {
+ public:
+  /// `out`: empty for a folder of its own.
+  Harness(bool lockstep, const MapperOptions& options, const std::filesystem::path& out = {})
+      : out_(out.empty() ? folder_.path() : out),
+        context_(bus_of_service_, {"mapper", {}, {}, {}, out_, lockstep}),
+        service_(context_, options) {
+    const auto opened = service_.open_journal();
+    EXPECT_TRUE(opened) << opened.error().message;
+    listen<messages::Acknowledge>(channels::kAcknowledge, acknowledged);
+    listen<mapping::MeshChunk>(channels::kMeshChunk, chunks);
+  }
+
+  void send_frame(int index) {
+    image::RgbdFrame frame = sequence_.frame(index);
+    frame.header.sequence = index;
+    publish(channels::kRgbd, frame);
+  }
+
+  /// As the tracker answers frame `index`; `keyframe` below 0: it is none.
+  void send_pose(int index, int keyframe, tracking::TrackingState state = tracking::TrackingState::tracking,
+                 std::int64_t session = 7) {
+    tracking::PoseEstimate pose;
+    pose.header = {session, index, 1000 + index};
+    pose.state = state;
+    pose.has_pose = true;
+    pose.world_from_camera = sequence_.world_from_camera(index);
+    pose.keyframe.value = keyframe;
+    publish(channels::kPose, pose);
+  }
+
+  void send_correction(std::int64_t version, int keyframe, const geometry::Pose& world_from_camera) {
+    publish(channels::kPoseCorrection, tracking::PoseCorrection{7, version, {{{keyframe}, world_from_camera}}});
+  }
+
+  void idle(std::int64_t now_utime) {
+    service_.idle(now_utime);
+    deliver();
+  }
+
+  base::Status save() { return service_.save(); }
+
+  std::string saved_mesh() {
+    const auto saved = save();
+    EXPECT_TRUE(saved) << saved.error().message;
+    return read_file(out_ / "mesh.ply");
+  }
+
+  [[nodiscard]] std::size_t saved_vertices() {
+    saved_mesh();
+    return io::read_ply(out_ / "mesh.ply").value().vertices.size();
+  }
+
+  [[nodiscard]] geometry::Pose true_pose(int index) const { return sequence_.world_from_camera(index); }
+  [[nodiscard]] messages::ServiceStatus status() { return context_.status().status(0); }
+  [[nodiscard]] std::filesystem::path out() const { return out_; }
+
+  std::vector<messages::Acknowledge> acknowledged;
+  std::vector<mapping::MeshChunk> chunks;
+
+ private:
+  template <typename T>
+  void listen(const char* channel, std::vector<T>& into) {
+    const auto handler = [&into](const transport::ReceivedMessage& message) {
+      EXPECT_LE(message.bytes.size(), 180'000U);
+      auto value = messages::decode<T>(message.bytes);
+      ASSERT_TRUE(value) << value.error().message;
+      into.push_back(*value);
+    };
+    EXPECT_TRUE(bus_of_test_.subscribe(channel, handler, 0));
+  }
+
+  template <typename T>
+  void publish(const char* channel, const T& value) {
+    EXPECT_TRUE(bus_of_test_.publish(channel, messages::encode(value)));
+    deliver();
+  }
+
+  void deliver() {
+    EXPECT_TRUE(bus_of_service_.handle(std::chrono::milliseconds(0)));
+    EXPECT_TRUE(bus_of_test_.handle(std::chrono::milliseconds(0)));
+  }
+
+  test::TemporaryFolder folder_;
+  std::filesystem::path out_;
+  synthetic::SyntheticSequence sequence_ = small_sequence();
+  std::shared_ptr<transport::MemoryNetwork> network_ = std::make_shared<transport::MemoryNetwork>();
+  transport::MemoryBus bus_of_test_{network_};
+  transport::MemoryBus bus_of_service_{network_};
+  service::ServiceContext context_;
+  MapperService service_;
+};
+
+}  // namespace eg::services
