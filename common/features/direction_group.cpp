@@ -33,11 +33,13 @@ int depth_count(const Lines& lines, const std::vector<int>& members) {
 /// The vanishing point of the segments alone.
 std::optional<DirectionEstimate> fit_image_only(const Lines& lines, const std::vector<int>& cluster) {
   Lines flat;
+  flat.reserve(cluster.size());
   for (const int member : cluster) {
     flat.push_back(at(lines, member));
     flat.back().has_depth = false;
   }
   std::vector<const DirectionEvidence*> evidence;
+  evidence.reserve(flat.size());
   for (const DirectionEvidence& line : flat) evidence.push_back(&line);
   // Any start will do but one along a normal; the sum of all normals' outer products has the vanishing direction as its
   // smallest eigenvector, which the first iteration finds.
@@ -47,6 +49,7 @@ std::optional<DirectionEstimate> fit_image_only(const Lines& lines, const std::v
 std::vector<DirectionEstimate> candidates(const Lines& lines, const std::vector<int>& cluster) {
   constexpr std::size_t kMaxCandidates = 24;
   std::vector<DirectionEstimate> result;
+  result.reserve(std::min(kMaxCandidates, cluster.size() + 1));
   if (cluster.size() >= 2) {
     if (const auto vanishing = fit_image_only(lines, cluster)) result.push_back(*vanishing);
   }
@@ -62,6 +65,7 @@ std::vector<int> inliers_of(const Lines& lines, const std::vector<int>& cluster,
                             const geometry::CameraModel& camera, const DirectionGroupOptions& options) {
   const double sigma = std::min(estimate.max_sigma(), options.max_depth_angle);
   std::vector<int> inliers;
+  inliers.reserve(cluster.size());
   for (const int member : cluster) {
     if (agrees(at(lines, member), estimate.direction, sigma, camera, options)) inliers.push_back(member);
   }

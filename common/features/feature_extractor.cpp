@@ -45,15 +45,14 @@ FrameFeatures FeatureExtractor::extract(const image::RectifiedFrame& frame) {
   EG_CHECK(!frame.camera.has_distortion(), "the frame is rectified");
   FrameFeatures features{frame.header, frame.camera, {}, {}, {}, {}};
   if (frame.colour.empty()) return features;
-  cv::Mat grey;
-  cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(frame.colour, grey_, cv::COLOR_BGR2GRAY);
 
   std::vector<MeasuredLine> lines;
   std::vector<DirectionFeature> line_directions;
   double warp = 0.0;
-  tbb::parallel_invoke([&] { features.points = extract_points(grey, frame.depth, options_.points); },
+  tbb::parallel_invoke([&] { features.points = extract_points(grey_, frame.depth, options_.points); },
                        [&] {
-                         lines = line_extractor_.extract(grey, frame.depth, frame.camera);
+                         lines = line_extractor_.extract(grey_, frame.depth, frame.camera);
                          line_directions = extract_line_directions(lines, frame.camera, options_.directions);
                        },
                        [&] {

@@ -40,6 +40,7 @@ class FeatureExtractor {
   FeatureExtractorOptions options_;
   LineExtractor line_extractor_;
   PlaneExtractor plane_extractor_;
+  cv::Mat grey_;  ///< of the last frame; kept for its memory
   cv::Mat plane_labels_;
 };
 

@@ -72,7 +72,10 @@ LineDepthSamples sample_line_depth(const cv::Mat& depth, const Segment& segment)
   result.owner = find_owner(depth, segment, stations);
   const Eigen::Vector2d step = (result.owner == LineOwner::left ? -1.0 : 1.0) * segment.normal();
   const bool on_segment = result.owner == LineOwner::both;
-  for (const double across : on_segment ? std::vector{0.0} : std::vector{kNear, kFar}) {
+  const int rows = on_segment ? 1 : 2;
+  result.samples.reserve(static_cast<std::size_t>(rows * stations));
+  for (int row = 0; row < rows; ++row) {
+    const double across = on_segment ? 0.0 : (row == 0 ? kNear : kFar);
     for (int i = 0; i < stations; ++i) {
       const Eigen::Vector2d pixel = segment.at(station_fraction(i, stations)) + across * step;
       const double z = on_segment ? depth_on(depth, pixel, kNear * step) : depth_at(depth, pixel);

@@ -81,10 +81,8 @@ BandStatistics band_statistics(const RowSums& sums) {
 
 }  // namespace
 
-GradientImages gradients_of(const cv::Mat& grey) {
-  GradientImages gradients;
+void compute_gradients(const cv::Mat& grey, GradientImages& gradients) {
   cv::spatialGradient(grey, gradients.dx, gradients.dy);
-  return gradients;
 }
 
 Descriptor describe_segment(const GradientImages& gradients, const Segment& segment) {

@@ -12,7 +12,8 @@ struct GradientImages {
   cv::Mat dx, dy;
 };
 
-GradientImages gradients_of(const cv::Mat& grey);
+/// Fills `gradients`, whose memory it uses again.
+void compute_gradients(const cv::Mat& grey, GradientImages& gradients);
 
 /// Line band descriptor (LBD: Zhang and Koch, J. Visual Communication and Image Representation 2013): bands parallel to
 /// the segment, each with the mean and standard deviation over its rows of the summed positive and negative gradients

@@ -81,10 +81,10 @@ std::vector<MeasuredLine> LineExtractor::extract(const cv::Mat& grey, const cv::
 
   const std::vector<Segment> segments = find_segments(grey);
   if (segments.empty()) return lines;
-  const GradientImages gradients = gradients_of(grey);
+  compute_gradients(grey, gradients_);
   lines.reserve(segments.size());
   for (const Segment& segment : segments) {
-    lines.push_back(measure(segment, depth, gradients, camera, options_.lifter, options_.seed + lines.size()));
+    lines.push_back(measure(segment, depth, gradients_, camera, options_.lifter, options_.seed + lines.size()));
   }
   return lines;
 }

@@ -7,6 +7,7 @@
 
 #include "common/base/result.hpp"
 #include "common/features/features.hpp"
+#include "common/features/line_descriptor.hpp"
 #include "common/features/line_detector.hpp"
 #include "common/features/line_lifter.hpp"
 #include "common/features/line_merger.hpp"
@@ -52,6 +53,7 @@ class LineExtractor {
 
   LineExtractorOptions options_;
   LineDetector detector_;
+  GradientImages gradients_;  ///< of the last frame; kept for its memory
 };
 
 /// The same for a single frame.

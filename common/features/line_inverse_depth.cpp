@@ -101,6 +101,7 @@ std::optional<Eigen::Vector3d> ransac(const Samples& samples, double typical, co
 
 Samples inliers_of(const Samples& samples, const Eigen::Vector3d& model, double limit) {
   Samples inliers;
+  inliers.reserve(samples.size());
   std::copy_if(samples.begin(), samples.end(), std::back_inserter(inliers),
                [&](const LineDepthSample& sample) { return std::abs(normalised_residual(sample, model)) <= limit; });
   return inliers;

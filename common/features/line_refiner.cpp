@@ -41,6 +41,8 @@ std::vector<Profile> sample_profiles(const cv::Mat& grey, const Segment& segment
                                      std::vector<double>& positions) {
   const Eigen::Vector2d normal = segment.normal();
   std::vector<Profile> profiles;
+  profiles.reserve(static_cast<std::size_t>(stations));
+  positions.reserve(static_cast<std::size_t>(stations));
   for (int i = 0; i < stations; ++i) {
     const double fraction = (i + 0.5) / stations;
     const Eigen::Vector2d centre = segment.at(fraction);
@@ -126,6 +128,7 @@ Segment refine_segment(const cv::Mat& grey, const Segment& segment) {
   const double sign = mean_step(profiles) < 0.0 ? -1.0 : 1.0;
 
   std::vector<Peak> peaks;
+  peaks.reserve(profiles.size());
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     if (const auto offset = peak_offset(profiles[i], sign)) peaks.push_back({positions[i], *offset});
   }

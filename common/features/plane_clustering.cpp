@@ -54,7 +54,8 @@ struct Edge {
 /// has hundreds of edges, and refreshing all of them at every merge would cost more than everything else together.
 class EdgeHeap {
  public:
-  EdgeHeap(BlockSets& sets, const PlaneTolerance& tolerance) : sets_(sets), tolerance_(tolerance) {}
+  EdgeHeap(BlockSets& sets, const PlaneTolerance& tolerance, std::size_t max_edges)
+      : sets_(sets), tolerance_(tolerance), heap_({}, reserved(max_edges)) {}
 
   void push(int a, int b) {
     const int root_a = sets_.find(a);
@@ -80,6 +81,12 @@ class EdgeHeap {
   }
 
  private:
+  static std::vector<Edge> reserved(std::size_t count) {
+    std::vector<Edge> edges;
+    edges.reserve(count);
+    return edges;
+  }
+
   [[nodiscard]] double union_pixels(int root_a, int root_b) const {
     return sets_.region(root_a).support + sets_.region(root_b).support;
   }
@@ -127,7 +134,7 @@ std::optional<PlaneFit> fit_union(const PlaneRegion& left, const PlaneRegion& ri
 BlockClusters cluster_blocks(const BlockGrid& grid, const PlaneTolerance& tolerance, double min_pixels,
                              int max_regions) {
   BlockSets sets(grid);
-  EdgeHeap heap(sets, tolerance);
+  EdgeHeap heap(sets, tolerance, 2 * grid.moments.size());  // to the right and down
   push_neighbours(grid, heap);
   heap.merge_all();
 

@@ -107,8 +107,8 @@ base::Status validate(const PlaneOptions& options) {
   if (!(options.lateral_sigma >= 0)) return out_of_range("lateral_sigma", "at least 0");
   if (!(options.min_support_fraction > 0 && options.min_support_fraction <= 1)) {
     return out_of_range("min_support_fraction", "in (0, 1]");
-    if (!(options.warp_blocks >= 0)) return out_of_range("warp_blocks", "at least 0");
   }
+  if (!(options.warp_blocks >= 0)) return out_of_range("warp_blocks", "at least 0");
   if (!(options.systematic_angle >= 0)) return out_of_range("systematic_angle", "at least 0");
   if (!(options.rounding >= 0)) return out_of_range("rounding", "at least 0");
   if (!(options.systematic_distance >= 0)) return out_of_range("systematic_distance", "at least 0");

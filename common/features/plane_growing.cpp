@@ -102,8 +102,11 @@ void RegionGrower::grow(const BlockGrid& grid, const BlockClusters& clusters, co
   result.labels.create(size, CV_8UC1);
   result.labels.setTo(0);
   errors_.create(size, CV_32FC1);
-  errors_.setTo(std::numeric_limits<float>::max());
-  errors_.setTo(0.0F, grid.inverse_depth <= 0.0F);
+  for (int v = 0; v < size.height; ++v) {
+    const auto* w = grid.inverse_depth.ptr<float>(v);
+    auto* error = errors_.ptr<float>(v);
+    for (int u = 0; u < size.width; ++u) error[u] = w[u] > 0.0F ? std::numeric_limits<float>::max() : 0.0F;
+  }
   result.seed_of_block = erode(grid, clusters);
   frontier_.clear();
   claim_seeds(grid, result);

@@ -262,8 +262,10 @@ TEST(LineDescriptor, RecognisesSegmentsInATurnedImage) {
     const cv::Mat moved = warp * cv::Mat(cv::Vec3d(p.x(), p.y(), 1.0));
     return Vector2d(moved.at<double>(0), moved.at<double>(1));
   };
-  const GradientImages before = gradients_of(image);
-  const GradientImages after = gradients_of(turned);
+  GradientImages before;
+  GradientImages after;
+  compute_gradients(image, before);
+  compute_gradients(turned, after);
   int right = 0;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Descriptor moved = describe_segment(after, {move(segments[i].start), move(segments[i].end)});

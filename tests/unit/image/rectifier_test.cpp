@@ -56,14 +56,11 @@ TEST(Rectifier, TakesEveryPixelFromWhereTheLensPutIt) {
     EXPECT_FALSE(rectified.camera.has_distortion());
     EXPECT_EQ(rectified.camera.fx, camera.fx);
     double largest_shift = 0.0;
-    int inside = 0;
-    for (int y = 2; y < camera.height; y += 13) {
-      for (int x = 2; x < camera.width; x += 17) {
-        const Eigen::Vector2d source = distort(camera, Eigen::Vector2d(x, y));
-        if (source.x() < 2 || source.y() < 2 || source.x() > camera.width - 3 || source.y() > camera.height - 3)
-          continue;
-        ++inside;
-        largest_shift = std::max(largest_shift, (source - Eigen::Vector2d(x, y)).norm());
+    for (int y = 0; y < rectified.camera.height; y += 13) {
+      for (int x = 0; x < rectified.camera.width; x += 17) {
+        const Eigen::Vector2d straight = camera.project(rectified.camera.ray(Eigen::Vector2d(x, y)));
+        const Eigen::Vector2d source = distort(camera, straight);
+        largest_shift = std::max(largest_shift, (source - straight).norm());
         const auto colour = rectified.colour.at<cv::Vec3b>(y, x);
         EXPECT_NEAR(colour[0], source.x() / 4, 1.1);
         EXPECT_NEAR(colour[1], source.y() / 4, 1.1);
@@ -73,18 +70,30 @@ TEST(Rectifier, TakesEveryPixelFromWhereTheLensPutIt) {
         EXPECT_NEAR(std::fmod(raw + 0.005, 10.0), 0.0, 0.02);
       }
     }
-    EXPECT_GT(inside, 1000) << name;
     EXPECT_GT(largest_shift, 5.0) << "the distortion is worth removing";
   }
 }
 
-TEST(Rectifier, HasNoDepthWhereTheLensSawNothing) {
+TEST(Rectifier, CutsOffWhatTheLensDidNotSee) {
+  geometry::CameraModel pincushion = *geometry::find_camera("synthetic");
+  pincushion.distortion = {0.5, 0, 0, 0, 0};  // draws pixels from beyond the border
+  for (const auto& camera : {*geometry::find_camera("tum_fr1"), *geometry::find_camera("tum_fr2"), pincushion}) {
+    const RectifiedFrame rectified = Rectifier().rectify(ramp_frame(camera));
+    EXPECT_EQ(rectified.colour.size(), cv::Size(rectified.camera.width, rectified.camera.height));
+    EXPECT_EQ(rectified.depth.size(), rectified.colour.size());
+    EXPECT_EQ(cv::countNonZero(rectified.depth), rectified.depth.size().area()) << "every pixel was seen";
+    EXPECT_GT(rectified.depth.size().area(), 0.65 * camera.width * camera.height) << "and not more than needed is gone";
+  }
+}
+
+TEST(Rectifier, KeepsTheSizeWhereNothingIsUnseenAndWhereALensCannotBe) {
   geometry::CameraModel camera = *geometry::find_camera("synthetic");
-  camera.distortion = {0.5, 0, 0, 0, 0};  // draws pixels from beyond the border
-  Rectifier rectifier;
-  const RectifiedFrame rectified = rectifier.rectify(ramp_frame(camera));
-  EXPECT_EQ(rectified.depth.at<float>(0, 0), 0.0F);
-  EXPECT_EQ(rectified.colour.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));
+  for (const double k1 : {-0.2, 1e6}) {
+    camera.distortion = {k1, 0, 0, 0, 0};
+    const RectifiedFrame rectified = Rectifier().rectify(ramp_frame(camera));
+    EXPECT_EQ(rectified.depth.size(), cv::Size(camera.width, camera.height)) << k1;
+    EXPECT_EQ(rectified.camera.cx, camera.cx);
+  }
 }
 
 TEST(Rectifier, FollowsAChangeOfCamera) {
