@@ -53,6 +53,7 @@ Bytes encode(const GraphRequest& request);
 Bytes encode(const MeshRequest& request);
 Bytes encode(const Acknowledge& acknowledge);
 Bytes encode(const EndOfStream& end);
+Bytes encode(const ResendRequest& request);
 Bytes encode(const Control& control);
 Bytes encode(const ControlReply& reply);
 Bytes encode(const ServiceStatus& status);
@@ -87,6 +88,8 @@ template <>
 base::Result<Acknowledge> decode(ByteView bytes);
 template <>
 base::Result<EndOfStream> decode(ByteView bytes);
+template <>
+base::Result<ResendRequest> decode(ByteView bytes);
 template <>
 base::Result<Control> decode(ByteView bytes);
 template <>

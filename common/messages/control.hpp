@@ -51,6 +51,15 @@ struct MeshRequest {
   std::int64_t session = 0;
 };
 
+/// Asks for messages that were lost on the way.
+struct ResendRequest {
+  std::int64_t session = 0;
+  std::string channel;  ///< of the messages
+  /// On RGBD frames by their sequence, on POSE keyframes by their id, on POSE_CORRECTION the one version up to which
+  /// the asker has everything.
+  std::vector<std::int64_t> numbers;
+};
+
 /// How a service is doing. Latency: from receiving a message to having published its result, milliseconds.
 struct ServiceStatus {
   std::int64_t utime = 0;

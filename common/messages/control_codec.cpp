@@ -4,6 +4,7 @@
 #include <egraph_msgs/end_of_stream_t.hpp>
 #include <egraph_msgs/graph_request_t.hpp>
 #include <egraph_msgs/mesh_request_t.hpp>
+#include <egraph_msgs/resend_request_t.hpp>
 
 #include "common/messages/codec.hpp"
 #include "common/messages/guard.hpp"
@@ -47,6 +48,16 @@ base::Result<EndOfStream> decode_end(ByteView bytes) {
     read_counter(end.skipped_utimes[i], path("skipped_utimes", i), check);
   }
   return checked(std::move(end), check);
+}
+
+base::Result<ResendRequest> decode_resend_request(ByteView bytes) {
+  const auto wire = decode_wire<egraph_msgs::resend_request_t>(
+      bytes, {{"num_numbers", kMaxResendNumbers, sizeof(std::int64_t)}}, {{"channel", kMaxName}});
+  if (!wire) return tl::make_unexpected(wire.error());
+  const Path path;
+  Checker check;
+  for (std::size_t i = 0; i < wire->numbers.size(); ++i) read_counter(wire->numbers[i], path("numbers", i), check);
+  return checked(ResendRequest{wire->session, wire->channel, wire->numbers}, check);
 }
 
 base::Result<Control> decode_control(ByteView bytes) {
@@ -100,6 +111,15 @@ Bytes encode(const EndOfStream& end) {
   return encode_wire(wire);
 }
 
+Bytes encode(const ResendRequest& request) {
+  egraph_msgs::resend_request_t wire{};
+  wire.session = request.session;
+  wire.num_numbers = static_cast<std::int32_t>(request.numbers.size());
+  wire.numbers = request.numbers;
+  wire.channel = printable(request.channel, kMaxName);
+  return encode_wire(wire);
+}
+
 Bytes encode(const Control& control) {
   egraph_msgs::control_t wire{};
   wire.request_id = control.request_id;
@@ -135,6 +155,11 @@ base::Result<Acknowledge> decode(ByteView bytes) {
 template <>
 base::Result<EndOfStream> decode(ByteView bytes) {
   return guarded<EndOfStream>([&] { return decode_end(bytes); });
+}
+
+template <>
+base::Result<ResendRequest> decode(ByteView bytes) {
+  return guarded<ResendRequest>([&] { return decode_resend_request(bytes); });
 }
 
 template <>

@@ -15,6 +15,7 @@
 #include <egraph_msgs/mesh_chunk_t.hpp>
 #include <egraph_msgs/pose_correction_t.hpp>
 #include <egraph_msgs/pose_estimate_t.hpp>
+#include <egraph_msgs/resend_request_t.hpp>
 #include <egraph_msgs/rgbd_t.hpp>
 #include <egraph_msgs/service_status_t.hpp>
 
@@ -70,8 +71,8 @@ Type type() {
   return {Wire::getHash(), Wire::getTypeName(), &inspect_as<T>};
 }
 
-const std::array<Type, 14>& types() {
-  static const std::array<Type, 14> kTypes = {type<egraph_msgs::rgbd_t, CompressedFrame>(),
+const std::array<Type, 15>& types() {
+  static const std::array<Type, 15> kTypes = {type<egraph_msgs::rgbd_t, CompressedFrame>(),
                                               type<egraph_msgs::features_t, features::FrameFeatures>(),
                                               type<egraph_msgs::pose_estimate_t, tracking::PoseEstimate>(),
                                               type<egraph_msgs::pose_correction_t, tracking::PoseCorrection>(),
@@ -82,6 +83,7 @@ const std::array<Type, 14>& types() {
                                               type<egraph_msgs::graph_request_t, GraphRequest>(),
                                               type<egraph_msgs::acknowledge_t, Acknowledge>(),
                                               type<egraph_msgs::end_of_stream_t, EndOfStream>(),
+                                              type<egraph_msgs::resend_request_t, ResendRequest>(),
                                               type<egraph_msgs::control_t, Control>(),
                                               type<egraph_msgs::control_reply_t, ControlReply>(),
                                               type<egraph_msgs::service_status_t, ServiceStatus>()};

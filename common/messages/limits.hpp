@@ -20,6 +20,7 @@ inline constexpr int kMaxSharedLandmarks = 10'000'000;  ///< of all edges togeth
 inline constexpr int kMaxMeshVertices = 65'535;         ///< their indices have 16 bits
 inline constexpr int kMaxMeshTriangles = 1'000'000;
 inline constexpr int kMaxPyramidLevel = 63;
+inline constexpr int kMaxResendNumbers = 64;       ///< messages asked for at once
 inline constexpr int kMaxSkippedFrames = 100'000;  ///< frames of a recording that could not be read
 
 /// Bound on times, sequence numbers and versions: their differences cannot overflow.

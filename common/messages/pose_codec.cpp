@@ -30,6 +30,7 @@ static base::Result<PoseEstimate> decode_estimate(ByteView bytes) {
   pose.matched_lines = read_count(wire->matched_lines, path("matched_lines"), check);
   pose.matched_planes = read_count(wire->matched_planes, path("matched_planes"), check);
   pose.matched_directions = read_count(wire->matched_directions, path("matched_directions"), check);
+  pose.corrections = read_counter(wire->corrections, path("corrections"), check);
   return checked(std::move(pose), check);
 }
 
@@ -54,6 +55,8 @@ static base::Result<PoseCorrection> decode_correction(ByteView bytes) {
   PoseCorrection correction;
   correction.session = wire->session;
   correction.version = read_counter(wire->version, path("version"), check);
+  correction.since = wire->since;
+  check.in_range(path("since"), correction.since, 0, correction.version);
   correction.entries = read_list<PoseCorrection::Entry>(wire->entries, "entries", path, check, read);
   return checked(std::move(correction), check);
 }
@@ -71,6 +74,7 @@ Bytes encode(const PoseEstimate& pose) {
   wire.matched_lines = pose.matched_lines;
   wire.matched_planes = pose.matched_planes;
   wire.matched_directions = pose.matched_directions;
+  wire.corrections = pose.corrections;
   wire.reason = printable(pose.reason, kMaxText);
   return encode_wire(wire);
 }
@@ -79,6 +83,7 @@ Bytes encode(const PoseCorrection& correction) {
   egraph_msgs::pose_correction_t wire{};
   wire.session = correction.session;
   wire.version = correction.version;
+  wire.since = correction.since;
   write_list(correction.entries, wire.num_entries, wire.entries, write);
   return encode_wire(wire);
 }

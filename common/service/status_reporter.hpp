@@ -17,6 +17,8 @@ class StatusReporter {
   void count_frame(double latency_ms);
   /// `sequence` of the stream came in; a jump forward counts the missing ones as dropped. A new session counts afresh.
   void count_sequence(std::int64_t session, std::int64_t sequence);
+  /// Frames that were given up.
+  void count_dropped(std::int64_t frames) { status_.dropped += frames; }
   /// A message failed validation.
   void count_rejected(const std::string& why);
   void set_state(std::string state);

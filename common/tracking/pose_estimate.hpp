@@ -31,9 +31,11 @@ struct PoseEstimate {
   std::int32_t matched_lines = 0;
   std::int32_t matched_planes = 0;
   std::int32_t matched_directions = 0;
+  std::int64_t corrections = 0;  ///< version of the newest PoseCorrection so far; 0: none
 };
 
-/// New poses for keyframes that were already announced (local or global optimisation moved them).
+/// New poses for keyframes that were already announced (local or global optimisation moved them). Who has everything up
+/// to `since`, then has everything up to `version`.
 struct PoseCorrection {
   std::int64_t session = 0;
   std::int64_t version = 0;
@@ -42,6 +44,7 @@ struct PoseCorrection {
     geometry::Pose world_from_camera;
   };
   std::vector<Entry> entries;
+  std::int64_t since = 0;  ///< less than `version`; 0: it holds every keyframe that was ever moved
 };
 
 }  // namespace eg::tracking

@@ -15,7 +15,7 @@ constexpr std::array kChannels = {channels::kRgbd,          channels::kFeatures,
                                   channels::kKeyframe,      channels::kGraphUpdate,    channels::kGraphRequest,
                                   channels::kGraphSnapshot, channels::kPoseCorrection, channels::kMeshChunk,
                                   channels::kStatus,        channels::kAcknowledge,    channels::kEndOfStream,
-                                  channels::kControl,       channels::kControlReply};
+                                  channels::kResend,        channels::kControl,        channels::kControlReply};
 
 /// Input and output of a step of the pipeline; both carry the time of the frame that they are about.
 struct Step {

@@ -28,6 +28,7 @@ void FeatureExtractorService::handle_frame(const image::RgbdFrame& frame) {
     context_.publish(messages::channels::kFeatures, *answer);
     return;
   }
+  if (is_out_of_date(frame.header)) return;
   const auto start = std::chrono::steady_clock::now();
   answers_.push_back(extractor_.extract(rectifier_.rectify(frame)));
   if (answers_.size() > kMaxAnswers) answers_.pop_front();
@@ -36,6 +37,12 @@ void FeatureExtractorService::handle_frame(const image::RgbdFrame& frame) {
   const auto latency = std::chrono::steady_clock::now() - start;
   context_.status().count_sequence(frame.header.session, frame.header.sequence);
   context_.status().count_frame(std::chrono::duration<double, std::milli>(latency).count());
+}
+
+bool FeatureExtractorService::is_out_of_date(const image::FrameHeader& header) const {
+  if (context_.options().lockstep || answers_.empty()) return false;
+  const image::FrameHeader& newest = answers_.back().header;
+  return header.session == newest.session && header.sequence < newest.sequence;
 }
 
 const features::FrameFeatures* FeatureExtractorService::find_answer(const image::FrameHeader& header) const {

@@ -18,6 +18,8 @@ class FeatureExtractorService : public service::Service {
 
  private:
   void handle_frame(const image::RgbdFrame& frame);
+  /// In real time: one that is sent again for the mapper, or was overtaken; the tracker is past it.
+  [[nodiscard]] bool is_out_of_date(const image::FrameHeader& header) const;
   [[nodiscard]] const features::FrameFeatures* find_answer(const image::FrameHeader& header) const;
 
   service::ServiceContext& context_;

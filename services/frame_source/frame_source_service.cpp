@@ -37,6 +37,7 @@ FrameSourceService::FrameSourceService(service::ServiceContext& context, const F
       input_(std::move(input)),
       window_(options.consumers, options.window),
       pacer_(options.consumers),
+      store_(kFramesStored),
       skipped_utimes_(input_->skipped_utimes()),
       reader_(input_, kFramesAhead) {
   context_.status().set_state("waiting for consumers");
@@ -51,6 +52,10 @@ FrameSourceService::FrameSourceService(service::ServiceContext& context, const F
     context_.subscribe<messages::ServiceStatus>(
         messages::channels::kStatus, 0,
         [this](const messages::ServiceStatus& status) { pacer_.heard_of(status.service); });
+    context_.subscribe<messages::ResendRequest>(
+        messages::channels::kResend, kRequestQueue, [this](const messages::ResendRequest& request) {
+          if (request.session == session_ && request.channel == messages::channels::kRgbd) store_.request(request);
+        });
   }
 }
 
@@ -77,12 +82,14 @@ void FrameSourceService::run_lockstep(std::int64_t now_utime) {
 }
 
 void FrameSourceService::run_realtime(std::int64_t now_utime) {
+  if (const SourceFrame* frame = store_.next()) publish(*frame);  // one a round: new frames go first
   if (!waiting_) waiting_ = next_frame();
   if (!waiting_) return;
   const std::optional<std::int64_t> until_due = pacer_.until(header_of(*waiting_).utime, now_utime);
   if (!until_due || *until_due > kSleepAtMost) return;
   if (*until_due > 0) std::this_thread::sleep_for(microseconds(*until_due));
   send(*waiting_);
+  store_.add(*std::move(waiting_));
   waiting_.reset();
 }
 

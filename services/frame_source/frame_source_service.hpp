@@ -8,6 +8,7 @@
 
 #include "common/service/service.hpp"
 #include "services/frame_source/frame_input.hpp"
+#include "services/frame_source/frame_store.hpp"
 #include "services/frame_source/lockstep_window.hpp"
 #include "services/frame_source/read_ahead.hpp"
 #include "services/frame_source/realtime_pacer.hpp"
@@ -27,7 +28,8 @@ base::Status validate(const FrameSourceOptions& options, bool lockstep);
 /// those, then END_OF_STREAM until the process is ended.
 ///
 /// Lockstep: a few frames ahead of the consumers' acknowledgements, each until all have acknowledged it.
-/// Real time: by the recording's time stamps, from when all consumers are there.
+/// Real time: by the recording's time stamps, from when all consumers are there. The frames of the last ten seconds are
+/// sent again to who asks for them.
 /// Frames that cannot be read are logged and left out; END_OF_STREAM lists them.
 class FrameSourceService : public service::Service {
  public:
@@ -53,6 +55,7 @@ class FrameSourceService : public service::Service {
   std::shared_ptr<const FrameInput> input_;
   LockstepWindow window_;
   RealtimePacer pacer_;
+  FrameStore store_;                    ///< real time
   std::optional<SourceFrame> waiting_;  ///< real time: read, not yet due
   std::int64_t sent_ = 0;
   std::vector<std::int64_t> skipped_utimes_;

@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <iterator>
 #include <ostream>
 
 #include "common/io/atomic_file.hpp"
@@ -13,9 +12,9 @@
 namespace eg::services {
 namespace {
 
-constexpr std::int64_t kMaxAhead = 16;         // frames in lockstep; the source sends fewer ahead
-constexpr std::int64_t kMaxRecentFrames = 32;  // one second, in real time: what a pose may take
-constexpr int kRealtimeFrameQueue = 8;         // while a keyframe is being fused
+constexpr std::int64_t kMaxAhead = 16;        // frames in lockstep; the source sends fewer ahead
+constexpr std::size_t kMaxRecentFrames = 32;  // one second, in real time: what a pose may take
+constexpr int kRealtimeFrameQueue = 8;        // while a keyframe is being fused
 constexpr double kMicroseconds = 1e6;
 constexpr std::size_t kMegabyte = 1'000'000;
 
@@ -35,6 +34,10 @@ MapperService::MapperService(service::ServiceContext& context, const MapperOptio
                                                 [this](const messages::CompressedFrame& frame) { on_frame(frame); });
   context_.subscribe<tracking::PoseEstimate>(messages::channels::kPose, 0,
                                              [this](const tracking::PoseEstimate& pose) { on_pose(pose); });
+  if (!context_.options().lockstep) {
+    context_.subscribe<egraph::Keyframe>(messages::channels::kKeyframe, 0,
+                                         [this](const egraph::Keyframe& keyframe) { on_keyframe(keyframe); });
+  }
   context_.subscribe<tracking::PoseCorrection>(
       messages::channels::kPoseCorrection, 0,
       [this](const tracking::PoseCorrection& correction) { on_correction(correction); });
@@ -76,7 +79,10 @@ base::Status MapperService::replay(const transport::LogEvent& event) {
     });
   }
   if (event.channel == messages::channels::kPoseCorrection) {
-    return apply.operator()<tracking::PoseCorrection>([this](const auto& correction) { map_.correct(correction); });
+    return apply.operator()<tracking::PoseCorrection>([this](const auto& correction) {
+      corrections_.take(correction);
+      map_.correct(correction);
+    });
   }
   if (event.channel == messages::channels::kAcknowledge) {
     return apply.operator()<messages::Acknowledge>([this](const auto& acknowledge) {
@@ -107,8 +113,10 @@ void MapperService::on_frame(const messages::CompressedFrame& frame) {
   if (!is_my_session(frame.header.session, messages::channels::kRgbd)) return;
   const std::int64_t sequence = frame.header.sequence;
   if (!context_.options().lockstep) {
+    if (const tracking::PoseEstimate* pose = queue_.waiting_for(sequence)) return finish_keyframe(frame, *pose);
     frames_.insert_or_assign(sequence, frame);
-    return match_newest();
+    if (frames_.size() > kMaxRecentFrames) frames_.erase(frames_.begin());
+    return;
   }
   if (sequence < next_sequence_) return acknowledge_finished();
   if (sequence >= next_sequence_ + kMaxAhead) return;  // the source sends it again
@@ -118,42 +126,36 @@ void MapperService::on_frame(const messages::CompressedFrame& frame) {
 
 void MapperService::on_pose(const tracking::PoseEstimate& pose) {
   if (!is_my_session(pose.header.session, messages::channels::kPose)) return;
+  corrections_.announce(pose.corrections);
   const std::int64_t sequence = pose.header.sequence;
   if (!context_.options().lockstep) {
-    if (!is_mapped(pose)) return;
-    poses_.insert_or_assign(sequence, pose);
-    return match_newest();
+    if (!pose.keyframe.valid() || !queue_.add_pose(pose)) return;
+    if (!is_mapped(pose) || map_.contains(pose.keyframe)) return queue_.finish(pose.keyframe);
+    const auto frame = frames_.find(sequence);
+    if (frame != frames_.end()) finish_keyframe(frame->second, pose);
+    return;
   }
   if (sequence < next_sequence_ || sequence >= next_sequence_ + kMaxAhead) return;
   poses_.emplace(sequence, pose);
   work_off_in_order();
 }
 
-void MapperService::on_correction(const tracking::PoseCorrection& correction) {
-  if (!is_my_session(correction.session, messages::channels::kPoseCorrection)) return;
-  map_.correct(correction);
-  note(messages::channels::kPoseCorrection, correction);
+void MapperService::on_keyframe(const egraph::Keyframe& keyframe) {
+  if (is_my_session(keyframe.header.session, messages::channels::kKeyframe)) queue_.announce(keyframe.id);
 }
 
-void MapperService::match_newest() {
-  for (auto pose = poses_.begin(); pose != poses_.end();) {
-    const auto frame = frames_.find(pose->first);
-    const bool is_late = !frames_.empty() && pose->first + kMaxRecentFrames < frames_.rbegin()->first;
-    if (frame != frames_.end()) {
-      integrate(frame->second, pose->second);
-    } else if (is_late) {
-      spdlog::warn("the images of keyframe {} never came", pose->second.keyframe.value);
-    }
-    pose = frame != frames_.end() || is_late ? poses_.erase(pose) : std::next(pose);
-  }
-  while (frames_.size() > static_cast<std::size_t>(kMaxRecentFrames)) frames_.erase(frames_.begin());
+void MapperService::on_correction(const tracking::PoseCorrection& correction) {
+  if (!is_my_session(correction.session, messages::channels::kPoseCorrection) || !corrections_.take(correction)) return;
+  map_.correct(correction);
+  note(messages::channels::kPoseCorrection, correction);
+  work_off_in_order();
 }
 
 void MapperService::work_off_in_order() {
   for (;; ++next_sequence_) {
     const auto frame = frames_.find(next_sequence_);
     const auto pose = poses_.find(next_sequence_);
-    if (frame == frames_.end() || pose == poses_.end()) break;
+    if (frame == frames_.end() || pose == poses_.end() || !corrections_.has(pose->second.corrections)) break;
     integrate(frame->second, pose->second);
     frames_.erase(frame);
     poses_.erase(pose);
@@ -164,8 +166,6 @@ void MapperService::work_off_in_order() {
 void MapperService::integrate(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose) {
   if (!is_mapped(pose) || map_.contains(pose.keyframe)) return;
   const auto start = std::chrono::steady_clock::now();
-  // Numbers of keyframes, not of frames: a gap is a keyframe that is missing in the map.
-  context_.status().count_sequence(pose.header.session, pose.keyframe.value);
   if (const base::Status done = map_.integrate(pose.keyframe, frame, pose.world_from_camera); !done) {
     return context_.status().count_rejected(std::string(messages::channels::kRgbd) + ": " + done.error().message);
   }
@@ -173,6 +173,25 @@ void MapperService::integrate(const messages::CompressedFrame& frame, const trac
   note(messages::channels::kPose, pose);
   context_.status().count_frame(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+}
+
+void MapperService::finish_keyframe(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose) {
+  integrate(frame, pose);
+  queue_.finish(pose.keyframe);
+}
+
+void MapperService::request_missing(std::int64_t now_utime) {
+  const std::int64_t given_up = queue_.given_up();
+  const KeyframeQueue::Missing missing = queue_.to_request(now_utime);
+  request(messages::channels::kPose, missing.poses);
+  request(messages::channels::kRgbd, missing.frames);
+  if (const auto have = corrections_.to_request(now_utime)) request(messages::channels::kPoseCorrection, {*have});
+  context_.status().count_dropped(queue_.given_up() - given_up);
+}
+
+void MapperService::request(const char* channel, const std::vector<std::int64_t>& numbers) {
+  if (!numbers.empty())
+    context_.publish(messages::channels::kResend, messages::ResendRequest{*session_, channel, numbers});
 }
 
 void MapperService::acknowledge_finished() {
@@ -185,6 +204,7 @@ void MapperService::acknowledge_finished() {
 void MapperService::idle(std::int64_t now_utime) {
   map_.move_next();
   if (!session_) return;
+  request_missing(now_utime);
   for (const mapping::MeshChunk& chunk : mesh_stream_.next(map_.field(), *session_, now_utime)) {
     context_.publish(messages::channels::kMeshChunk, chunk);
   }

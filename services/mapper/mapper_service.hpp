@@ -5,10 +5,13 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "common/service/correction_follower.hpp"
 #include "common/service/service.hpp"
 #include "services/mapper/journal.hpp"
 #include "services/mapper/keyframe_map.hpp"
+#include "services/mapper/keyframe_queue.hpp"
 #include "services/mapper/mesh_stream.hpp"
 
 namespace eg::services {
@@ -20,12 +23,13 @@ struct MapperOptions {
   bool resume = false;       ///< go on from the journal in the output folder
 };
 
-/// RGBD, POSE, POSE_CORRECTION and MESH_REQUEST in; MESH_CHUNK out; mesh.ply and mesh.vdb at the end.
+/// RGBD, POSE, KEYFRAME, POSE_CORRECTION and MESH_REQUEST in; MESH_CHUNK out; mesh.ply and mesh.vdb at the end.
 ///
 /// Every keyframe that was tracked in all six degrees of freedom is fused with the pose that its POSE message carries.
-/// Lockstep: frames are worked off strictly in order, each once both its messages are there, and then acknowledged; one
-/// that comes again is acknowledged again. Real time: the latest frames and poses are kept until the other comes; a
-/// keyframe whose images never come is logged and counted as dropped in the status.
+/// Lockstep: frames are worked off strictly in order, each once both its messages and all corrections before it are
+/// there, and then acknowledged; one that comes again is acknowledged again. Real time: the latest frames are kept
+/// until their pose comes; what a keyframe lacks, its pose or its images, is asked for by RESEND. A keyframe that
+/// nobody has any more is counted as dropped in the status.
 ///
 /// With an output folder, everything that goes into the map is also written into the journal there, and a mapper that
 /// was killed goes on from it (`resume`). Mappers that share the space (TsdfOptions::shares) acknowledge as "mapper.0",
@@ -46,12 +50,15 @@ class MapperService : public service::Service {
  private:
   void on_frame(const messages::CompressedFrame& frame);
   void on_pose(const tracking::PoseEstimate& pose);
+  void on_keyframe(const egraph::Keyframe& keyframe);
   void on_correction(const tracking::PoseCorrection& correction);
 
   [[nodiscard]] bool is_my_session(std::int64_t session, const char* channel);
   void work_off_in_order();
-  void match_newest();
   void integrate(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose);
+  void finish_keyframe(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose);
+  void request_missing(std::int64_t now_utime);
+  void request(const char* channel, const std::vector<std::int64_t>& numbers);
   base::Status replay(const transport::LogEvent& event);
   template <typename T>
   void note(const char* channel, const T& value);
@@ -62,11 +69,13 @@ class MapperService : public service::Service {
   service::ServiceContext& context_;
   KeyframeMap map_;
   MeshStream mesh_stream_;
+  KeyframeQueue queue_;                                       ///< real time
+  service::CorrectionFollower corrections_;                   ///< which of them have come
   std::optional<std::int64_t> session_;                       ///< the first one heard of
   std::int64_t next_sequence_ = 0;                            ///< lockstep: the first frame that is not finished
   std::int64_t acknowledged_ = 0;                             ///< lockstep: next_sequence_ when it was last announced
   std::map<std::int64_t, messages::CompressedFrame> frames_;  ///< by sequence
-  std::map<std::int64_t, tracking::PoseEstimate> poses_;      ///< by sequence; real time: of keyframes
+  std::map<std::int64_t, tracking::PoseEstimate> poses_;      ///< lockstep: by sequence
   bool resume_;
   std::optional<Journal> journal_;
   std::optional<messages::CompressedFrame> replayed_;  ///< the journal's last frame

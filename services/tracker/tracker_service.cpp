@@ -15,6 +15,9 @@ constexpr std::size_t kMaxWaiting = 64;
 /// An announced keyframe is announced again after this long (microseconds): a datagram was lost, or the server
 /// restarts.
 constexpr std::int64_t kAnnouncementPeriod = 300'000;
+/// The newest keyframe and the newest correction are announced again and again even so: whoever missed one sees the
+/// gap.
+constexpr std::int64_t kDigestPeriod = 1'000'000;
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -35,6 +38,8 @@ TrackerService::TrackerService(service::ServiceContext& context, tracking::Track
   context_.subscribe<messages::GraphRequest>(
       messages::channels::kRestoreRequest, 2,
       [this](const messages::GraphRequest& request) { on_restore_request(request); });
+  context_.subscribe<messages::ResendRequest>(
+      messages::channels::kResend, 8, [this](const messages::ResendRequest& request) { on_resend_request(request); });
   context_.subscribe<messages::EndOfStream>(messages::channels::kEndOfStream, 2,
                                             [this](const messages::EndOfStream& end) { on_end_of_stream(end); });
 }
@@ -80,6 +85,18 @@ void TrackerService::on_restore_request(const messages::GraphRequest& request) {
   context_.publish(messages::channels::kRestore, tracker_.graph().snapshot(session_));
 }
 
+void TrackerService::on_resend_request(const messages::ResendRequest& request) {
+  if (request.session != session_ || request.numbers.empty()) return;
+  if (request.channel == messages::channels::kPose) {
+    for (const std::int64_t keyframe : request.numbers) {
+      const auto answer = keyframe_answers_.find(keyframe);
+      if (answer != keyframe_answers_.end()) context_.publish(messages::channels::kPose, answer->second);
+    }
+  } else if (request.channel == messages::channels::kPoseCorrection) {
+    announce(corrections_.since(request.numbers.front()));
+  }
+}
+
 void TrackerService::on_end_of_stream(const messages::EndOfStream& end) {
   if (end.session == session_) record_.set_end(end.frame_count, end.skipped_utimes);
 }
@@ -109,11 +126,15 @@ void TrackerService::track(const features::FrameFeatures& frame) {
   tracking::TrackResult result = tracker_.track(frame);
   next_sequence_ = frame.header.sequence + 1;
   record_.add(result.estimate, tracker_.map());
+  const std::vector<tracking::PoseCorrection> corrections = corrections_.add(session_, std::move(result.corrections));
+  result.estimate.corrections = corrections_.version();
   if (result.keyframe) {
+    keyframe_answers_.emplace(result.keyframe->id.value, result.estimate);
+    newest_keyframe_ = *result.keyframe;
     unconfirmed_.push_back(*result.keyframe);
     context_.publish(messages::channels::kKeyframe, *result.keyframe);
   }
-  announce_corrections(std::move(result.corrections));
+  announce(corrections);
   answered_.emplace(frame.header.sequence, result.estimate);
   if (answered_.size() > kAnswersKept) answered_.erase(answered_.begin());
   answer(result.estimate);
@@ -130,13 +151,24 @@ void TrackerService::acknowledge(std::int64_t sequence) {
                    messages::Acknowledge{session_, sequence, context_.options().name});
 }
 
-void TrackerService::announce_corrections(std::vector<tracking::PoseCorrection::Entry> entries) {
-  if (entries.empty()) return;
-  context_.publish(messages::channels::kPoseCorrection,
-                   tracking::PoseCorrection{session_, ++correction_version_, std::move(entries)});
+void TrackerService::announce(const std::vector<tracking::PoseCorrection>& corrections) {
+  for (const tracking::PoseCorrection& correction : corrections) {
+    context_.publish(messages::channels::kPoseCorrection, correction);
+  }
+}
+
+void TrackerService::repeat_newest() {
+  announce(corrections_.since(corrections_.version() - 1));
+  if (newest_keyframe_ && !context_.options().lockstep) {
+    context_.publish(messages::channels::kKeyframe, *newest_keyframe_);
+  }
 }
 
 void TrackerService::idle(std::int64_t now_utime) {
+  if (now_utime - last_digest_utime_ >= kDigestPeriod) {
+    last_digest_utime_ = now_utime;
+    repeat_newest();
+  }
   if (unconfirmed_.empty()) {
     last_announcement_utime_ = now_utime;
     return;

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 
 #include "common/service/service.hpp"
 #include "common/tracking/tracker.hpp"
+#include "services/tracker/correction_record.hpp"
 #include "services/tracker/track_record.hpp"
 
 namespace eg::services {
@@ -15,7 +17,10 @@ namespace eg::services {
 /// Lockstep: frames are tracked strictly in order, and after a keyframe the next frame waits for the server's update,
 /// so that the result does not depend on timing. A frame seen before is answered again, not tracked again. Real time:
 /// what waits is dropped for the newest frame; updates are applied when they come. Either way a keyframe is announced
-/// again until the server's update for it arrives. A server that has lost its graph gets the replica.
+/// again until the server's update for it arrives. A server that has lost its graph gets the replica. Keyframes' POSE
+/// messages and corrections are sent again to those who ask (RESEND); to let them see what they miss, every POSE
+/// carries the version of the newest correction, and the newest correction is repeated once a second, in real time the
+/// newest KEYFRAME, too.
 class TrackerService : public service::Service {
  public:
   TrackerService(service::ServiceContext& context, tracking::TrackerOptions options);
@@ -30,13 +35,15 @@ class TrackerService : public service::Service {
   void on_graph_update(const egraph::GraphUpdate& update);
   void on_graph_snapshot(const egraph::GraphSnapshot& snapshot);
   void on_restore_request(const messages::GraphRequest& request);
+  void on_resend_request(const messages::ResendRequest& request);
   void on_end_of_stream(const messages::EndOfStream& end);
 
   void track_waiting_frames();
   void track(const features::FrameFeatures& frame);
   void answer(const tracking::PoseEstimate& estimate);
   void acknowledge(std::int64_t sequence);
-  void announce_corrections(std::vector<tracking::PoseCorrection::Entry> entries);
+  void announce(const std::vector<tracking::PoseCorrection>& corrections);
+  void repeat_newest();
   void forget_confirmed_keyframes();
   [[nodiscard]] bool waits_for_graph() const;
 
@@ -45,11 +52,14 @@ class TrackerService : public service::Service {
   TrackRecord record_;
   std::int64_t session_ = 0;
   std::int64_t next_sequence_ = 0;
-  std::map<std::int64_t, features::FrameFeatures> waiting_;  ///< by sequence
-  std::map<std::int64_t, tracking::PoseEstimate> answered_;  ///< recent ones, for frames that come again
-  std::deque<egraph::Keyframe> unconfirmed_;                 ///< announced, no update yet
+  std::map<std::int64_t, features::FrameFeatures> waiting_;          ///< by sequence
+  std::map<std::int64_t, tracking::PoseEstimate> answered_;          ///< recent ones, for frames that come again
+  std::deque<egraph::Keyframe> unconfirmed_;                         ///< announced, no update yet
+  std::map<std::int64_t, tracking::PoseEstimate> keyframe_answers_;  ///< all, by keyframe
+  std::optional<egraph::Keyframe> newest_keyframe_;                  ///< announced once a second in real time
+  CorrectionRecord corrections_;
+  std::int64_t last_digest_utime_ = 0;
   std::int64_t last_announcement_utime_ = 0;
-  std::int64_t correction_version_ = 0;
 };
 
 }  // namespace eg::services

@@ -37,7 +37,7 @@ void decode_one(ByteView input) {
 }
 
 using Decoder = void (*)(ByteView);
-constexpr std::array<Decoder, 15> kDecoders = {
+constexpr std::array<Decoder, 16> kDecoders = {
     decode_one<eg::image::RgbdFrame>,        decode_one<eg::features::FrameFeatures>,
     decode_one<eg::tracking::PoseEstimate>,  decode_one<eg::tracking::PoseCorrection>,
     decode_one<eg::egraph::Keyframe>,        decode_one<eg::egraph::GraphUpdate>,
@@ -45,7 +45,7 @@ constexpr std::array<Decoder, 15> kDecoders = {
     decode_one<eg::messages::GraphRequest>,  decode_one<eg::messages::MeshRequest>,
     decode_one<eg::messages::Acknowledge>,   decode_one<eg::messages::EndOfStream>,
     decode_one<eg::messages::Control>,       decode_one<eg::messages::ControlReply>,
-    decode_one<eg::messages::ServiceStatus>,
+    decode_one<eg::messages::ServiceStatus>, decode_one<eg::messages::ResendRequest>,
 };
 
 }  // namespace

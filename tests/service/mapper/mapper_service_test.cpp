@@ -94,6 +94,7 @@ TEST(MapperServiceTest, InRealTimeCountsAKeyframeWhoseImagesAreGone) {
   mapper.send_pose(3, 2);
   EXPECT_TRUE(mapper.acknowledged.empty());
   EXPECT_EQ(mapper.status().frames, 2);
+  for (int period = 0; period < 30; ++period) mapper.idle(1'000'000 + 300'000 * period);  // nobody has it any more
   EXPECT_EQ(mapper.status().dropped, 1);
 }
 

@@ -53,6 +53,11 @@ class Rig {
     peer_.send_bytes(channel, bytes);
     settle();
   }
+  /// What comes over another channel from now on.
+  template <typename T>
+  test::Inbox<T> collect(const char* channel) {
+    return peer_.collect<T>(channel);
+  }
   void send_frame(std::size_t index) { send(channels::kFeatures, frame(index)); }
 
   /// Answers, as the server does, every keyframe that has arrived since the last call.

@@ -40,7 +40,7 @@ class EveryType : public testing::Test {};
 using Types =
     testing::Types<image::RgbdFrame, features::FrameFeatures, tracking::PoseEstimate, tracking::PoseCorrection,
                    egraph::Keyframe, egraph::GraphUpdate, egraph::GraphSnapshot, mapping::MeshChunk, GraphRequest,
-                   MeshRequest, Acknowledge, EndOfStream, Control, ControlReply, ServiceStatus>;
+                   MeshRequest, ResendRequest, Acknowledge, EndOfStream, Control, ControlReply, ServiceStatus>;
 TYPED_TEST_SUITE(EveryType, Types);
 
 TYPED_TEST(EveryType, ComesBackBitForBit) {

@@ -97,11 +97,12 @@ Flat flatten(const features::FrameFeatures& v) {
 
 Flat flatten(const tracking::PoseEstimate& v) {
   return Flattener()(v.header, v.state, v.reason, v.has_pose, v.world_from_camera, v.covariance, v.keyframe,
-                     v.rotation_reference, v.matched_points, v.matched_lines, v.matched_planes, v.matched_directions)
+                     v.rotation_reference, v.matched_points, v.matched_lines, v.matched_planes, v.matched_directions,
+                     v.corrections)
       .result;
 }
 
-Flat flatten(const tracking::PoseCorrection& v) { return Flattener()(v.session, v.version, v.entries).result; }
+Flat flatten(const tracking::PoseCorrection& v) { return Flattener()(v.session, v.version, v.since, v.entries).result; }
 
 Flat flatten(const egraph::Keyframe& v) {
   std::vector<double> distances = v.plane_distances;
@@ -129,6 +130,7 @@ Flat flatten(const mapping::MeshChunk& v) {
 Flat flatten(const MeshRequest& v) { return Flattener()(v.session).result; }
 Flat flatten(const GraphRequest& v) { return Flattener()(v.session, v.have_version).result; }
 Flat flatten(const Acknowledge& v) { return Flattener()(v.session, v.sequence, v.consumer).result; }
+Flat flatten(const ResendRequest& v) { return Flattener()(v.session, v.channel, v.numbers).result; }
 Flat flatten(const EndOfStream& v) { return Flattener()(v.session, v.frame_count, v.skipped_utimes).result; }
 Flat flatten(const Control& v) { return Flattener()(v.request_id, v.command, v.service).result; }
 Flat flatten(const ControlReply& v) { return Flattener()(v.request_id, v.service, v.ok, v.message).result; }

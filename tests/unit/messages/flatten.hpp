@@ -30,6 +30,7 @@ Flat flatten(const mapping::MeshChunk& chunk);
 Flat flatten(const GraphRequest& request);
 Flat flatten(const MeshRequest& request);
 Flat flatten(const Acknowledge& acknowledge);
+Flat flatten(const ResendRequest& request);
 Flat flatten(const EndOfStream& end);
 Flat flatten(const Control& control);
 Flat flatten(const ControlReply& reply);

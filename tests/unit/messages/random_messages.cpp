@@ -186,15 +186,21 @@ tracking::PoseEstimate random_value(Random& random) {
   pose.matched_lines = random_int(random, 0, 999);
   pose.matched_planes = random_int(random, 0, 999);
   pose.matched_directions = random_int(random, 0, 999);
+  pose.corrections = random_counter(random);
   return pose;
 }
 
 template <>
 tracking::PoseCorrection random_value(Random& random) {
   using Entry = tracking::PoseCorrection::Entry;
-  return {random_session(random), random_counter(random), random_list(random, [&] {
-            return Entry{random_id<egraph::KeyframeId>(random), random_pose(random)};
-          })};
+  tracking::PoseCorrection correction;
+  correction.session = random_session(random);
+  correction.since = random_counter(random);
+  correction.version = correction.since + random_int(random, 0, 999);
+  correction.entries = random_list(random, [&] {
+    return Entry{random_id<egraph::KeyframeId>(random), random_pose(random)};
+  });
+  return correction;
 }
 
 template <>
@@ -282,6 +288,11 @@ Acknowledge random_value(Random& random) {
 template <>
 EndOfStream random_value(Random& random) {
   return {random_session(random), random_counter(random), random_list(random, [&] { return random_counter(random); })};
+}
+
+template <>
+ResendRequest random_value(Random& random) {
+  return {random_session(random), random_text(random, 64), random_list(random, [&] { return random_counter(random); })};
 }
 
 template <>

@@ -32,6 +32,8 @@ MeshRequest random_value(base::Random& random);
 template <>
 Acknowledge random_value(base::Random& random);
 template <>
+ResendRequest random_value(base::Random& random);
+template <>
 EndOfStream random_value(base::Random& random);
 template <>
 Control random_value(base::Random& random);
