@@ -1,0 +1,129 @@
+#include "services/bridge/bridge_service.hpp"
+
+#include <string>
+
+#include "common/messages/channels.hpp"
+
+namespace eg::services {
+namespace {
+
+using messages::bot::BodyPose;
+using messages::bot::LinkCollection;
+using messages::bot::ObjectCollection;
+
+constexpr char kBodyPose[] = "POSE_BODY";
+constexpr char kObjects[] = "OBJECT_COLLECTION";
+constexpr char kLinks[] = "LINK_COLLECTION";
+
+constexpr std::size_t kMaxSessions = 64;
+constexpr std::size_t kMaxItems = 2000;     // of a message: 128 kB
+constexpr std::int64_t kRound = 3'000'000;  // microseconds
+constexpr int kPoseQueue = 2;               // the newest counts
+
+/// The camera's pose as that of a body whose x axis looks forward and whose z axis points up, in such a world.
+geometry::Pose body_pose(const geometry::Pose& world_from_camera) {
+  static const geometry::Pose kBodyFromCamera = {(Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished(),
+                                                 Eigen::Vector3d::Zero()};
+  return kBodyFromCamera * world_from_camera * kBodyFromCamera.inverse();
+}
+
+std::int32_t objects_id(std::int64_t session) { return static_cast<std::int32_t>(2 * (session % 1'000'000)); }
+
+ObjectCollection keyframe_collection(std::int64_t session) {
+  return {objects_id(session), "keyframes of session " + std::to_string(session), {}};
+}
+
+LinkCollection edge_collection(std::int64_t session) {
+  return {objects_id(session) + 1, "E-Graph of session " + std::to_string(session), objects_id(session), {}};
+}
+
+ObjectCollection::Object object(std::int32_t keyframe, const geometry::Pose& world_from_camera) {
+  return {keyframe, body_pose(world_from_camera)};
+}
+
+/// Links need numbers that stay the same when they are sent again.
+LinkCollection::Link link(std::int32_t first, std::int32_t second) {
+  return {(static_cast<std::int64_t>(first) << 32U) + second, first, second};
+}
+
+}  // namespace
+
+BridgeService::BridgeService(service::ServiceContext& context) : context_(context) {
+  namespace channels = messages::channels;
+  context_.subscribe<tracking::PoseEstimate>(channels::kPose, kPoseQueue, [this](const auto& pose) { on_pose(pose); });
+  context_.subscribe<egraph::Keyframe>(channels::kKeyframe, 0, [this](const auto& keyframe) { on_keyframe(keyframe); });
+  context_.subscribe<tracking::PoseCorrection>(channels::kPoseCorrection, 0,
+                                               [this](const auto& correction) { on_correction(correction); });
+  context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, 0, [this](const auto& update) { on_update(update); });
+}
+
+BridgeService::Session* BridgeService::session(std::int64_t number) {
+  if (!sessions_.contains(number) && sessions_.size() >= kMaxSessions) return nullptr;
+  return &sessions_[number];
+}
+
+void BridgeService::on_pose(const tracking::PoseEstimate& pose) {
+  if (!pose.has_pose) return;
+  context_.publish(kBodyPose, BodyPose{pose.header.utime, body_pose(pose.world_from_camera)});
+  context_.status().count_frame(0.0);
+}
+
+void BridgeService::on_keyframe(const egraph::Keyframe& keyframe) {
+  Session* known = session(keyframe.header.session);
+  if (known == nullptr || !known->keyframes.try_emplace(keyframe.id.value, keyframe.world_from_camera).second) return;
+  ObjectCollection collection = keyframe_collection(keyframe.header.session);
+  collection.objects.push_back(object(keyframe.id.value, keyframe.world_from_camera));
+  context_.publish(kObjects, collection);
+}
+
+void BridgeService::on_correction(const tracking::PoseCorrection& correction) {
+  Session* known = session(correction.session);
+  if (known == nullptr) return;
+  ObjectCollection collection = keyframe_collection(correction.session);
+  for (const auto& [keyframe, world_from_camera] : correction.entries) {
+    std::int64_t& version = known->versions[keyframe.value];
+    if (correction.version < version) continue;
+    version = correction.version;
+    known->keyframes[keyframe.value] = world_from_camera;
+    if (collection.objects.size() < kMaxItems) collection.objects.push_back(object(keyframe.value, world_from_camera));
+  }
+  context_.publish(kObjects, collection);
+}
+
+void BridgeService::on_update(const egraph::GraphUpdate& update) {
+  Session* known = session(update.session);
+  if (known == nullptr) return;
+  LinkCollection collection = edge_collection(update.session);
+  for (const egraph::Edge& edge : update.edges) {
+    if (!known->edges.emplace(edge.first.value, edge.second.value).second) continue;
+    if (collection.links.size() < kMaxItems) collection.links.push_back(link(edge.first.value, edge.second.value));
+  }
+  if (!collection.links.empty()) context_.publish(kLinks, collection);
+}
+
+void BridgeService::idle(std::int64_t now_utime) {
+  if (now_utime - last_round_ < kRound) return;
+  last_round_ = now_utime;
+  for (const auto& [number, known] : sessions_) send_all(number, known);
+}
+
+void BridgeService::send_all(std::int64_t number, const Session& known) {
+  ObjectCollection objects = keyframe_collection(number);
+  for (const auto& [keyframe, world_from_camera] : known.keyframes) {
+    objects.objects.push_back(object(keyframe, world_from_camera));
+    if (objects.objects.size() < kMaxItems) continue;
+    context_.publish(kObjects, objects);
+    objects.objects.clear();
+  }
+  if (!objects.objects.empty()) context_.publish(kObjects, objects);
+  LinkCollection links = edge_collection(number);
+  for (const auto& [first, second] : known.edges) {
+    links.links.push_back(link(first, second));
+    if (links.links.size() < kMaxItems) continue;
+    context_.publish(kLinks, links);
+    links.links.clear();
+  }
+  if (!links.links.empty()) context_.publish(kLinks, links);
+}
+
+}  // namespace eg::services

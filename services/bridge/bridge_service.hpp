@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "common/messages/bot.hpp"
+#include "common/service/service.hpp"
+
+namespace eg::services {
+
+/// Says what E-Graph SLAM computes in the types that robots and viewers of the LCM world know: POSE as bot_core.pose_t
+/// on POSE_BODY, keyframes and the edges of the E-Graph as vs collections on OBJECT_COLLECTION and LINK_COLLECTION.
+///
+/// Their frames: x forward, y left, z up, both of the body (the camera) and of the world (the first keyframe). New
+/// keyframes and corrected ones are sent at once, all of them again every few seconds for viewers that come late.
+class BridgeService : public service::Service {
+ public:
+  explicit BridgeService(service::ServiceContext& context);
+
+  void idle(std::int64_t now_utime) override;
+
+ private:
+  /// What is known of a recording or robot.
+  struct Session {
+    std::map<std::int32_t, geometry::Pose> keyframes;       ///< by id, world_from_camera
+    std::map<std::int32_t, std::int64_t> versions;          ///< of the corrections that moved them
+    std::set<std::pair<std::int32_t, std::int32_t>> edges;  ///< between keyframes
+  };
+
+  void on_pose(const tracking::PoseEstimate& pose);
+  void on_keyframe(const egraph::Keyframe& keyframe);
+  void on_correction(const tracking::PoseCorrection& correction);
+  void on_update(const egraph::GraphUpdate& update);
+  /// The session's record; null if there are too many already.
+  Session* session(std::int64_t number);
+  void send_all(std::int64_t number, const Session& session);
+
+  service::ServiceContext& context_;
+  std::map<std::int64_t, Session> sessions_;
+  std::int64_t last_round_ = 0;
+};
+
+}  // namespace eg::services
