@@ -12,6 +12,8 @@ constexpr float kMinObliqueness = 0.15F;
 constexpr float kMaxObliqueness = 2.0F;
 // Slopes are taken between blocks this far apart: noise counts less, and at 8 pixels objects are still resolved.
 constexpr int kReach = 2;
+// Of the 16 in a block: surfaces seen at a grazing angle lose many.
+constexpr int kLeastReadings = 4;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// Derivative from the values at -1, 0 and 1: the flatter of the two sides, because beside an edge the other one leaves
@@ -34,9 +36,12 @@ DepthView::DepthView(const image::RectifiedFrame& frame, const TsdfOptions& opti
       steepest_(static_cast<float>(1.0 / (static_cast<double>(kMinObliqueness) * frame.camera.fx))),
       inverse_depth_(pixel(1, height_ + 1), 0.0F),
       obliqueness_(block(0, blocks_y_), kNone),
+      signed_inverse_depth_(inverse_depth_.size(), 0.0F),
+      pixel_obliqueness_(inverse_depth_.size(), 1.0F),
       colour_(frame.colour.isContinuous() ? frame.colour : frame.colour.clone()) {
   invert_depth(frame.depth, options);
   compute_obliqueness(frame.camera, measure_blocks());
+  sign_pixels();
 }
 
 void DepthView::invert_depth(const cv::Mat& depth, const TsdfOptions& options) {
@@ -52,23 +57,29 @@ void DepthView::invert_depth(const cv::Mat& depth, const TsdfOptions& options) {
   });
 }
 
+float DepthView::mean_of_surface(int block_x, int block_y) const {
+  float sum = 0.0F;
+  float low = std::numeric_limits<float>::max();
+  float high = 0.0F;
+  int readings = 0;
+  for (int row = 0; row < kBlock; ++row) {
+    const float* inverse = &inverse_depth_[pixel(block_x * kBlock, block_y * kBlock + row)];
+    for (int column = 0; column < kBlock; ++column) {
+      if (inverse[column] == 0.0F) continue;
+      sum += inverse[column];
+      low = std::min(low, inverse[column]);
+      high = std::max(high, inverse[column]);
+      ++readings;
+    }
+  }
+  const bool is_surface = readings >= kLeastReadings && !is_depth_edge(low, high, kBlock);
+  return is_surface ? sum / static_cast<float>(readings) : kNone;
+}
+
 std::vector<float> DepthView::measure_blocks() const {
   std::vector<float> means(obliqueness_.size(), kNone);
   tbb::parallel_for(0, height_ / kBlock, [&](int y) {
-    for (int x = 0; x < width_ / kBlock; ++x) {
-      float sum = 0.0F;
-      float low = std::numeric_limits<float>::max();
-      float high = 0.0F;
-      for (int row = 0; row < kBlock; ++row) {
-        const float* inverse = &inverse_depth_[pixel(x * kBlock, y * kBlock + row)];
-        for (int column = 0; column < kBlock; ++column) {
-          sum += inverse[column];
-          low = std::min(low, inverse[column]);
-          high = std::max(high, inverse[column]);
-        }
-      }
-      if (low > 0.0F && !is_depth_edge(low, high, kBlock)) means[block(x, y)] = sum / (kBlock * kBlock);
-    }
+    for (int x = 0; x < width_ / kBlock; ++x) means[block(x, y)] = mean_of_surface(x, y);
   });
   return means;
 }
@@ -105,6 +116,21 @@ void DepthView::fill_gaps_in_obliqueness(const std::vector<float>& means) {
       float& obliqueness = obliqueness_[block(x, y)];
       if (std::isnan(obliqueness)) obliqueness = mean_around(known, x, y);
       if (std::isnan(means[block(x, y)])) obliqueness = -obliqueness;
+    }
+  });
+}
+
+void DepthView::sign_pixels() {
+  tbb::parallel_for(0, height_, [&](int y) {
+    const std::size_t row = pixel(0, y);
+    const auto width = static_cast<std::size_t>(width_);
+    for (std::size_t i = row; i < row + width; ++i) {
+      const float signed_obliqueness = obliqueness_[block(static_cast<int>(i - row) / kBlock, y / kBlock)];
+      const auto [low, high] = std::minmax(
+          {inverse_depth_[i], inverse_depth_[i + 1], inverse_depth_[i + width], inverse_depth_[i + width + 1]});
+      const bool at_edge = is_depth_edge(low, high, 1.0F / std::abs(signed_obliqueness));
+      signed_inverse_depth_[i] = at_edge ? -inverse_depth_[i] : inverse_depth_[i];
+      pixel_obliqueness_[i] = signed_obliqueness;
     }
   });
 }

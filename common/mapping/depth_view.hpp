@@ -24,27 +24,26 @@ class DepthView {
   [[nodiscard]] int blocks_x() const { return blocks_x_; }
   [[nodiscard]] int blocks_y() const { return blocks_y_; }
 
-  /// 1 / depth of the pixels, 1/m, row by row; 0 where there is no usable reading. One row and a pixel longer than the
-  /// image, so that the neighbours below and to the right of every pixel can be read.
-  [[nodiscard]] const float* inverse_depth() const { return inverse_depth_.data(); }
+  /// 1 / depth of a pixel, 1/m; 0 where there is no usable reading.
   [[nodiscard]] float inverse_depth(int x, int y) const { return inverse_depth_[pixel(x, y)]; }
 
   /// Distance from the surface per difference of depth: the cosine of the angle between its normal and the optical
-  /// axis, over that of the pixel's ray. By blocks, row by row; with a minus sign where a block shows more than one
-  /// surface, or not all of its pixels show any.
-  [[nodiscard]] const float* signed_obliqueness() const { return obliqueness_.data(); }
+  /// axis, over that of the pixel's ray. By blocks.
   [[nodiscard]] float obliqueness(int block_x, int block_y) const {
     return std::abs(obliqueness_[block(block_x, block_y)]);
   }
+  /// Whether a block shows more than one surface, or hardly any of its pixels show one.
   [[nodiscard]] bool at_edge(int block_x, int block_y) const {
     return std::signbit(obliqueness_[block(block_x, block_y)]);
   }
 
-  /// Inverse depths further apart than `scale` * low * max(continuity * high, steepest) belong to two surfaces (low and
-  /// high: the smaller and the larger); with low = 0, no reading, always. `continuity` in metres is what always passes,
-  /// `steepest` what the steepest surface that is looked at has from pixel to pixel, as a share of the depth.
-  [[nodiscard]] float continuity() const { return continuity_; }
-  [[nodiscard]] float steepest() const { return steepest_; }
+  // The same for lookups by voxels: row by row, with one row and a pixel more than the image has, so that the
+  // neighbours below and to the right of every pixel can be read.
+
+  /// Inverse depths; with a minus sign where a pixel and those neighbours do not show one surface.
+  [[nodiscard]] const float* signed_inverse_depth() const { return signed_inverse_depth_.data(); }
+  /// Obliqueness of the pixels' blocks; with a minus sign at_edge().
+  [[nodiscard]] const float* signed_obliqueness() const { return pixel_obliqueness_.data(); }
 
   /// Blue, green, red, row by row without gaps.
   [[nodiscard]] const std::uint8_t* colour() const { return colour_.ptr<std::uint8_t>(); }
@@ -57,15 +56,18 @@ class DepthView {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_x_) + static_cast<std::size_t>(x);
   }
 
+  /// Whether inverse depths belong to two surfaces. `scale`: how many pixels they are apart, over the obliqueness.
   [[nodiscard]] bool is_depth_edge(float low, float high, float scale) const {
     return high - low > scale * low * std::max(continuity_ * high, steepest_);
   }
 
   void invert_depth(const cv::Mat& depth, const TsdfOptions& options);
-  /// Mean inverse depth of each block that lies on one surface, else NaN.
+  /// Mean inverse depth of a block that lies on one surface, else NaN.
+  [[nodiscard]] float mean_of_surface(int block_x, int block_y) const;
   [[nodiscard]] std::vector<float> measure_blocks() const;
   void compute_obliqueness(const geometry::CameraModel& camera, const std::vector<float>& means);
   void fill_gaps_in_obliqueness(const std::vector<float>& means);
+  void sign_pixels();
   /// Of the blocks around one that are known; 1 if none is.
   [[nodiscard]] float mean_around(const std::vector<float>& obliqueness, int x, int y) const;
 
@@ -73,10 +75,12 @@ class DepthView {
   int height_;
   int blocks_x_;
   int blocks_y_;
-  float continuity_;
-  float steepest_;
+  float continuity_;  ///< step between neighbours that always passes, metres
+  float steepest_;    ///< what the steepest surface that is looked at has from pixel to pixel, as a share of the depth
   std::vector<float> inverse_depth_;
-  std::vector<float> obliqueness_;
+  std::vector<float> obliqueness_;  ///< by blocks
+  std::vector<float> signed_inverse_depth_;
+  std::vector<float> pixel_obliqueness_;
   cv::Mat colour_;
 };
 

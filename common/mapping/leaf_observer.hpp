@@ -49,23 +49,24 @@ class LeafObserver {
     Float4 inverse;      ///< 1/m; 0 where nothing is seen
     Float4 obliqueness;  ///< DepthView::signed_obliqueness()
   };
-  struct Measurements {
-    Int4 weight;
-    Int4 distance;
-    Int4 near;     ///< mask: nearer to the surface than the truncation distance
-    Int4 surface;  ///< mask: so near that the surface may run beside it
+  /// How far four voxels are from the surface, metres.
+  struct Distances {
+    Int4 known;       ///< mask: the reading says something about the voxel
+    Float4 distance;  ///< positive in front of the surface
+    Float4 limit;     ///< the truncation distance
+    Float4 sigma;     ///< standard deviation of the reading
   };
 
   [[nodiscard]] Pixels project(const Points& points) const;
   [[nodiscard]] Depths sample(const Pixels& pixels) const;
-  [[nodiscard]] Measurements measure(const Float4& z, const Depths& depths) const;
+  [[nodiscard]] Distances measure(const Float4& z, const Depths& depths) const;
+  [[nodiscard]] Int4 weigh(const Distances& distances) const;
 
   DepthView view_;
   geometry::Pose camera_from_world_;
   double voxel_size_m_;
   Eigen::Matrix3f steps_;  ///< columns: to the next voxel along x, y, z of the world, in the camera frame
-  Float4 fx_, fy_, cx_, cy_, right_, bottom_;
-  Float4 continuity_, steepest_;
+  Float4 fx_, fy_, cx_, cy_, width_, right_, bottom_;
   Float4 voxel_size_, least_truncation_, truncation_sigmas_;
   Float4 best_variance_, steps_per_metre_;
 };

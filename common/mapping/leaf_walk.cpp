@@ -118,14 +118,16 @@ class RowWalk {
  private:
   static constexpr int kBlock = DepthView::kBlock;
 
-  /// A block of one surface.
+  /// A block of one surface, perhaps with gaps.
   void add_block(int block_x, int block_y) {
     float low = std::numeric_limits<float>::max();
     float high = 0.0F;
     for (int y = kBlock * block_y; y < kBlock * (block_y + 1); ++y) {
       for (int x = kBlock * block_x; x < kBlock * (block_x + 1); ++x) {
-        low = std::min(low, view_.inverse_depth(x, y));
-        high = std::max(high, view_.inverse_depth(x, y));
+        const float inverse = view_.inverse_depth(x, y);
+        if (inverse == 0.0F) continue;
+        low = std::min(low, inverse);
+        high = std::max(high, inverse);
       }
     }
     constexpr float kCentre = 0.5F * (kBlock - 1);
@@ -133,7 +135,7 @@ class RowWalk {
         1.0F / high, 1.0F / low, view_.obliqueness(block_x, block_y));
   }
 
-  /// A block with a depth edge or gaps.
+  /// A block with a depth edge, or hardly any reading.
   void add_pixels(int block_x, int block_y) {
     for (int y = kBlock * block_y; y < std::min(kBlock * (block_y + 1), view_.height()); ++y) {
       for (int x = kBlock * block_x; x < std::min(kBlock * (block_x + 1), view_.width()); ++x) {

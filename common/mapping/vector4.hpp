@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 /// Four numbers at once, by the vector types that GCC and Clang have on every processor. Each lane computes what a
 /// scalar would, to the last bit. Comparisons give masks, and `mask ? a : b` chooses by lanes.
@@ -12,9 +13,22 @@ using Int4 = std::int32_t __attribute__((vector_size(16)));  ///< also the masks
 inline Float4 all(float x) { return Float4{x, x, x, x}; }
 inline Float4 min(Float4 a, Float4 b) { return a < b ? a : b; }
 inline Float4 max(Float4 a, Float4 b) { return a > b ? a : b; }
-inline Float4 abs(Float4 x) { return max(x, -x); }
+inline Float4 abs(Float4 x) { return reinterpret_cast<Float4>(reinterpret_cast<Int4>(x) & 0x7fffffff); }
 inline Int4 truncate(Float4 x) { return __builtin_convertvector(x, Int4); }
 inline Float4 to_float(Int4 x) { return __builtin_convertvector(x, Float4); }
+inline Int4 bits(Float4 x) { return reinterpret_cast<Int4>(x); }
+inline Int4 sign(Float4 x) { return bits(x) < 0; }  ///< mask: has a minus sign, also of zero
 inline bool any(Int4 mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
+
+/// Two pairs of neighbours, from anywhere.
+inline Float4 load_pairs(const float* first, const float* second) {
+  using Float2 = float __attribute__((vector_size(8)));
+  Float2 a, b;
+  std::memcpy(&a, first, sizeof a);
+  std::memcpy(&b, second, sizeof b);
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3);
+}
+inline Float4 evens(Float4 a, Float4 b) { return __builtin_shufflevector(a, b, 0, 2, 4, 6); }
+inline Float4 odds(Float4 a, Float4 b) { return __builtin_shufflevector(a, b, 1, 3, 5, 7); }
 
 }  // namespace eg::mapping

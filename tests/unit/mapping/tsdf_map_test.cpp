@@ -69,6 +69,29 @@ TEST(TsdfMapTest, PutsAnObliqueWallWhereItIs) {
   }
 }
 
+/// Cameras lose readings at grazing angles, here six of ten.
+TEST(TsdfMapTest, MissingReadingsLeaveNoHolesInAGrazedFloor) {
+  const AnalyticScene floor{{}, {{{-50, 0.613, -50}, {50, 2, 50}, false}}};
+  const geometry::CameraModel camera = square_camera(300, 300.0);
+  base::Random random(5);
+  std::vector<geometry::Pose> poses;
+  TsdfMap map;
+  for (int i = 0; i < 12; ++i) {
+    poses.push_back(pose_of(0.001 * i, -0.05, {0.003 * i, 0, 0}));
+    image::RectifiedFrame frame = floor.render(camera, poses.back());
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        if (random.uniform() < 0.6) frame.depth.at<float>(v, u) = 0.0F;
+      }
+    }
+    ASSERT_TRUE(map.integrate(frame, poses.back()));
+  }
+  const Mesh whole = fuse(floor, camera, poses, {}).extract_mesh();
+  const Mesh mesh = map.extract_mesh();
+  EXPECT_GT(static_cast<double>(mesh.triangles.size()), 0.97 * static_cast<double>(whole.triangles.size()));
+  EXPECT_LT(voxels(map, surface_error(mesh, [&](const auto& p) { return floor.distance(p); }).mean), 0.1);
+}
+
 TEST(TsdfMapTest, MakesASphereRound) {
   const AnalyticScene scene{{{{0.03, -0.02, 1.6}, 0.5}}, {}};
   const TsdfMap map = fuse(scene, square_camera(400, 400.0), {pose_of(0, 0, kOrigin)}, {});
