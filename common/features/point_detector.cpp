@@ -90,6 +90,21 @@ std::vector<cv::KeyPoint> corners_of_level(const cv::Mat& level, int max_corners
   return corners;
 }
 
+/// Moves corners to the point that the gradients around them are perpendicular to the ray from. FAST has whole pixels
+/// of the level, and its corner lies beside the edges that meet.
+void refine(const cv::Mat& level, std::vector<cv::KeyPoint>& corners) {
+  if (corners.empty()) return;
+  constexpr float kLargestMove = 1.5F;  // pixels: farther may be another corner
+  constexpr int kReach = 3;             // pixels on each side
+  const cv::TermCriteria enough(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 5, 0.05);
+  std::vector<cv::Point2f> refined;
+  cv::KeyPoint::convert(corners, refined);
+  cv::cornerSubPix(level, refined, {kReach, kReach}, {-1, -1}, enough);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (cv::norm(refined[i] - corners[i].pt) < kLargestMove) corners[i].pt = refined[i];
+  }
+}
+
 /// How many of `max_points` belong to each level: in proportion to its area, or what is left over from finer levels.
 int share_of_level(int level, int left_over, const PointDetectorOptions& options) {
   const double ratio = 1.0 / (options.scale_factor * options.scale_factor);
@@ -113,7 +128,9 @@ std::vector<cv::KeyPoint> detect_corners(const cv::Mat& grey, const PointDetecto
     if (std::min(level.cols, level.rows) <= 2 * kBorder) break;
 
     const int left_over = options.max_points - static_cast<int>(all.size());
-    for (cv::KeyPoint& corner : corners_of_level(level, share_of_level(octave, left_over, options), options)) {
+    std::vector<cv::KeyPoint> found = corners_of_level(level, share_of_level(octave, left_over, options), options);
+    refine(level, found);
+    for (cv::KeyPoint& corner : found) {
       corner.octave = octave;
       corner.angle = orientation(level, corner.pt);
       corner.size = static_cast<float>((2 * kPatchRadius + 1) * scale);

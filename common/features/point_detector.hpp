@@ -15,8 +15,9 @@ struct PointDetectorOptions {
 };
 
 /// FAST corners (Rosten and Drummond, ECCV 2006) on an image pyramid, spread over the image: the best corner of every
-/// grid cell comes before the second best of any, so that corners of weak texture survive beside strong ones. `pt` is
-/// in pixels of the pyramid level `octave`; `size` is the patch's diameter in the full image; `angle` (degrees) points
+/// grid cell comes before the second best of any, so that corners of weak texture survive beside strong ones. Corners
+/// are then located to a fraction of a pixel (Förstner and Gülch, ISPRS 1987). `pt` is in pixels of the pyramid level
+/// `octave`; `size` is the patch's diameter in the full image; `angle` (degrees) points
 /// to the intensity centroid (Rublee et al., ICCV 2011). Sorted by level, then by rank. The image is CV_8UC1.
 std::vector<cv::KeyPoint> detect_corners(const cv::Mat& grey, const PointDetectorOptions& options);
 

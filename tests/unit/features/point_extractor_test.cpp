@@ -43,6 +43,36 @@ TEST(PointExtractor, FindsTheCornersOfASquareOnTheFinestLevel) {
   }
 }
 
+/// A bright rectangle whose corners are not on whole pixels, as a camera sees it: every pixel is the mean of its area.
+cv::Mat rectangle_between_pixels(const cv::Size& size, const Eigen::Vector2d& first, const Eigen::Vector2d& last) {
+  constexpr int kParts = 10;
+  cv::Mat fine(size * kParts, CV_8UC1, cv::Scalar(40));
+  const auto to_fine = [](const Eigen::Vector2d& pixel) {
+    return cv::Point(cvRound((pixel.x() + 0.5) * kParts), cvRound((pixel.y() + 0.5) * kParts));
+  };
+  fine(cv::Rect(to_fine(first), to_fine(last))).setTo(220);
+  cv::Mat image;
+  cv::resize(fine, image, size, 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(image, image, {5, 5}, 0.8);
+  return image;
+}
+
+TEST(PointExtractor, LocatesCornersToAFractionOfAPixel) {
+  PointExtractorOptions options;
+  options.detector.levels = 1;
+  for (const double shift : {0.0, 0.1, 0.2, 0.8, 0.9}) {
+    const Eigen::Vector2d first(60.0 + shift, 70.0 - shift);
+    const Eigen::Vector2d last(139.0 - shift, 149.0 + shift);
+    const cv::Mat image = rectangle_between_pixels({200, 220}, first, last);
+    const auto points = extract_points(image, flat_depth(image, 2.0F), options);
+    for (const Eigen::Vector2d& corner : {first, Eigen::Vector2d(last.x(), first.y()), last}) {
+      double nearest = 1e9;
+      for (const PointFeature& point : points) nearest = std::min(nearest, (point.pixel - corner).norm());
+      EXPECT_LT(nearest, 0.35) << corner.transpose();
+    }
+  }
+}
+
 TEST(PointExtractor, LevelsAgreeOnWhereABlobIs) {
   // A bright disc gives corners on its rim on all levels; their mean must not wander with the level.
   cv::Mat image(240, 240, CV_8UC1, cv::Scalar(30));
