@@ -20,17 +20,16 @@ void LockstepWindow::add(SourceFrame frame, std::int64_t now_utime) {
 
 void LockstepWindow::acknowledge(const std::string& consumer, std::int64_t sequence, std::int64_t now_utime) {
   const auto known = acknowledged_.find(consumer);
-  if (known == acknowledged_.end() || in_flight_.empty()) return;
-  // A consumer may know more than this source has sent: from one before it, which was killed. That it is done with what
-  // is in flight is all that this says; what comes next needs an acknowledgement of its own.
-  sequence = std::min(sequence, header_of(in_flight_.back()).sequence);
-  if (sequence <= known->second) return;
+  if (known == acknowledged_.end() || sequence <= known->second) return;
   known->second = sequence;
   last_progress_ = now_utime;
   patience_ = options_.resend_after;
-  const auto slowest = std::min_element(acknowledged_.begin(), acknowledged_.end(),
-                                        [](const auto& a, const auto& b) { return a.second < b.second; });
-  while (!in_flight_.empty() && header_of(in_flight_.front()).sequence <= slowest->second) in_flight_.pop_front();
+  while (!in_flight_.empty() && is_done(header_of(in_flight_.front()).sequence)) in_flight_.pop_front();
+}
+
+bool LockstepWindow::is_done(std::int64_t sequence) const {
+  return std::all_of(acknowledged_.begin(), acknowledged_.end(),
+                     [sequence](const auto& consumer) { return consumer.second >= sequence; });
 }
 
 const SourceFrame* LockstepWindow::to_resend(std::int64_t now_utime) {

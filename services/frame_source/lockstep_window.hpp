@@ -30,6 +30,10 @@ class LockstepWindow {
   /// `consumer` is done with `sequence` and everything before. Unknown consumers do not count.
   void acknowledge(const std::string& consumer, std::int64_t sequence, std::int64_t now_utime);
 
+  /// Whether all consumers are done with `sequence`. They may be further than what was added: a source before this one
+  /// was killed.
+  [[nodiscard]] bool is_done(std::int64_t sequence) const;
+
   /// The oldest frame in flight, if it is time to send it again; null otherwise.
   [[nodiscard]] const SourceFrame* to_resend(std::int64_t now_utime);
 

@@ -55,8 +55,9 @@ std::string MapperService::with_share(const std::string& name) const {
 base::Status MapperService::open_journal() {
   if (context_.options().out.empty()) return {};
   const std::filesystem::path path = context_.options().out / (with_share("mapper") + ".journal");
-  auto journal = resume_ ? Journal::resume(path, [this](const transport::LogEvent& event) { return replay(event); })
-                         : Journal::create(path);
+  auto journal =
+      resume_ ? service::Journal::resume(path, [this](const transport::LogEvent& event) { return replay(event); })
+              : service::Journal::create(path);
   if (!journal) return tl::make_unexpected(journal.error());
   journal_ = std::move(*journal);
   return {};

@@ -13,12 +13,15 @@ constexpr int kMostLinesShown = 20;  ///< warnings of services; all are in log.t
 
 constexpr std::string_view kSheriff = "[procman-sheriff] ";
 constexpr std::string_view kError = "error: ";
+constexpr std::string_view kWarning = "warning: ";
+/// Services that are killed come back. So many deaths of one without a frame being finished in between are no accident.
+constexpr int kMostDeathsInARow = 10;
 
 bool calls_for_attention(std::string_view line) {
   const std::size_t end_of_name = line.find("] ");
   if (!line.starts_with('[') || end_of_name == std::string_view::npos) return false;
   const std::string_view text = line.substr(end_of_name + 2);
-  return text.starts_with("warning: ") || text.starts_with(kError);
+  return text.starts_with(kWarning) || text.starts_with(kError);
 }
 
 RunMonitor::Options monitor_options(const RunOptions& options) {
@@ -125,16 +128,28 @@ void Session::handle_line(const std::string& line) {
   if (!line.starts_with(kSheriff)) return;
   std::string_view text = std::string_view(line).substr(kSheriff.size());
   const bool error = text.starts_with(kError);
+  const bool comes_back = text.starts_with(kWarning);  // procman starts it again
   if (error) text.remove_prefix(kError.size());
+  if (comes_back) text.remove_prefix(kWarning.size());
   const std::string name(text.substr(0, text.find(' ')));
   const std::string_view what = text.substr(name.size());
   const bool ended = what.starts_with(" ended with ") || what.starts_with(" could not be started");
+  if (comes_back && ended && !has_given_up(name, what)) return;
   if (ended) {
     savers_.erase(name);
     save_request_.give_up_on(name);
   }
-  // While frames are being processed no service may end, not even without an error.
+  // While frames are being processed no service may end for good, not even without an error.
   if (error || (frames_running_ && ended)) fail((ended ? "service " : "") + std::string(text));
+}
+
+bool Session::has_given_up(const std::string& name, std::string_view how) {
+  const bool is_needed = savers_.contains(name) || name == "feature_extractor";
+  if (!is_needed) return false;
+  if (monitor_.frames_done() > done_at_last_death_) deaths_.clear();
+  done_at_last_death_ = monitor_.frames_done();
+  // What ends by itself has said why, and would say it again.
+  return how.find("exit status") != std::string_view::npos || ++deaths_[name] >= kMostDeathsInARow;
 }
 
 void Session::fail(const std::string& why) {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/service/service.hpp"
@@ -42,6 +44,8 @@ class Session {
   /// One round of messages and output.
   void step();
   void handle_line(const std::string& line);
+  /// A service has died; procman would start it again. Whether that is of no use.
+  bool has_given_up(const std::string& name, std::string_view how);
   void fail(const std::string& why);
 
   SheriffProcess& sheriff_;
@@ -54,6 +58,8 @@ class Session {
   std::set<std::string> savers_;  ///< services that have results and are alive
   bool frames_running_ = true;
   int lines_shown_ = 0;
+  std::map<std::string, int> deaths_;  ///< of services, since a frame was finished
+  std::int64_t done_at_last_death_ = 0;
   std::string failure_;
   Clock::time_point first_frame_;
   Clock::time_point last_frame_;

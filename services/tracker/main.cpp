@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "common/io/config.hpp"
@@ -8,6 +9,11 @@ int main(int argc, char** argv) {
   eg::service::ServiceProgram program;
   program.name = "tracker";
   program.description = "Tracks the camera: rotation from the E-Graph, translation, frame-to-map refinement, keyframes";
+  bool resume = false;
+  program.add_options = [&resume](CLI::App& app) {
+    app.add_flag("--resume", resume, "Keep a journal in --out and go on from the one that a killed tracker left there")
+        ->envname("EGRAPH_RESUME");
+  };
   program.configure = [&options](eg::io::ConfigSchema& section) {
     section
         .field("max_translation_sigma", options.max_translation_sigma, {1e-4, 10.0}, "metres; worse is rotation_only")
@@ -35,9 +41,12 @@ int main(int argc, char** argv) {
         .field("angular_velocity_change", options.motion.angular_velocity_change, {1e-3, 100.0},
                "rad/s within a frame");
   };
-  program.make =
-      [&options](eg::service::ServiceContext& context) -> eg::base::Result<std::unique_ptr<eg::service::Service>> {
-    return std::make_unique<eg::services::TrackerService>(context, options);
+  program.make = [&](eg::service::ServiceContext& context) -> eg::base::Result<std::unique_ptr<eg::service::Service>> {
+    auto tracker = std::make_unique<eg::services::TrackerService>(context, options);
+    if (resume && !context.options().out.empty()) {
+      if (const auto resumed = tracker->resume(); !resumed) return tl::make_unexpected(resumed.error());
+    }
+    return tracker;
   };
   return eg::service::run_service(program, argc, argv);
 }

@@ -1,5 +1,7 @@
 #include "services/tracker/tracker_service.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -54,7 +56,7 @@ void TrackerService::on_features(const features::FrameFeatures& frame) {
     answer(known->second);
     return;
   }
-  if (frame.header.sequence < next_sequence_) return acknowledge(frame.header.sequence);  // of a source started anew
+  if (frame.header.sequence < next_sequence_) return acknowledge(next_sequence_ - 1);  // of a source started anew
   if (waiting_.size() >= kMaxWaiting) return;
   waiting_.emplace(frame.header.sequence, frame);
   track_waiting_frames();
@@ -62,22 +64,34 @@ void TrackerService::on_features(const features::FrameFeatures& frame) {
 
 void TrackerService::on_graph_update(const egraph::GraphUpdate& update) {
   if (update.session != session_) return;
-  if (!tracker_.graph().apply(update)) {
+  if (!apply(update)) {
     context_.publish(messages::channels::kGraphRequest, messages::GraphRequest{session_, tracker_.graph().version()});
     return;
   }
-  forget_confirmed_keyframes();
+  note(messages::channels::kGraphUpdate, update);
   track_waiting_frames();
+}
+
+base::Status TrackerService::apply(const egraph::GraphUpdate& update) {
+  auto applied = tracker_.graph().apply(update);
+  if (applied) forget_confirmed_keyframes();
+  return applied;
 }
 
 void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& snapshot) {
   if (snapshot.session != session_ || snapshot.version <= tracker_.graph().version()) return;
-  if (const auto taken = tracker_.graph().reset(snapshot); !taken) {
+  if (const auto taken = apply(snapshot); !taken) {
     context_.status().count_rejected("EGRAPH: " + taken.error().message);
     return;
   }
-  forget_confirmed_keyframes();
+  note(messages::channels::kGraphSnapshot, snapshot);
   track_waiting_frames();
+}
+
+base::Status TrackerService::apply(const egraph::GraphSnapshot& snapshot) {
+  auto taken = tracker_.graph().reset(snapshot);
+  if (taken) forget_confirmed_keyframes();
+  return taken;
 }
 
 void TrackerService::on_restore_request(const messages::GraphRequest& request) {
@@ -122,23 +136,65 @@ void TrackerService::track_waiting_frames() {
 
 void TrackerService::track(const features::FrameFeatures& frame) {
   const auto start = std::chrono::steady_clock::now();
+  const Answer result = compute(frame);
+  note(messages::channels::kFeatures, frame);
+  if (result.keyframe) context_.publish(messages::channels::kKeyframe, *result.keyframe);
+  announce(result.corrections);
+  answer(result.estimate);
+  context_.status().count_frame(milliseconds_since(start));
+}
+
+TrackerService::Answer TrackerService::compute(const features::FrameFeatures& frame) {
   context_.status().count_sequence(frame.header.session, frame.header.sequence);
   tracking::TrackResult result = tracker_.track(frame);
   next_sequence_ = frame.header.sequence + 1;
   record_.add(result.estimate, tracker_.map());
-  const std::vector<tracking::PoseCorrection> corrections = corrections_.add(session_, std::move(result.corrections));
+  auto corrections = corrections_.add(session_, std::move(result.corrections));
   result.estimate.corrections = corrections_.version();
   if (result.keyframe) {
     keyframe_answers_.emplace(result.keyframe->id.value, result.estimate);
     newest_keyframe_ = *result.keyframe;
     unconfirmed_.push_back(*result.keyframe);
-    context_.publish(messages::channels::kKeyframe, *result.keyframe);
   }
-  announce(corrections);
   answered_.emplace(frame.header.sequence, result.estimate);
   if (answered_.size() > kAnswersKept) answered_.erase(answered_.begin());
-  answer(result.estimate);
-  context_.status().count_frame(milliseconds_since(start));
+  return {std::move(result.estimate), std::move(result.keyframe), std::move(corrections)};
+}
+
+base::Status TrackerService::resume() {
+  const std::filesystem::path path = context_.options().out / "tracker.journal";
+  auto journal = service::Journal::resume(path, [this](const transport::LogEvent& event) { return replay(event); });
+  if (!journal) return tl::make_unexpected(journal.error());
+  journal_ = std::move(*journal);
+  return {};
+}
+
+base::Status TrackerService::replay(const transport::LogEvent& event) {
+  if (event.channel == messages::channels::kFeatures) {
+    const auto frame = messages::decode<features::FrameFeatures>(event.bytes);
+    if (!frame) return tl::make_unexpected(frame.error());
+    session_ = frame->header.session;
+    compute(*frame);
+    return {};
+  }
+  if (event.channel == messages::channels::kGraphUpdate) {
+    const auto update = messages::decode<egraph::GraphUpdate>(event.bytes);
+    return update ? apply(*update) : tl::make_unexpected(update.error());
+  }
+  if (event.channel == messages::channels::kGraphSnapshot) {
+    const auto snapshot = messages::decode<egraph::GraphSnapshot>(event.bytes);
+    return snapshot ? apply(*snapshot) : tl::make_unexpected(snapshot.error());
+  }
+  return base::fail("a journal has no channel " + event.channel);
+}
+
+template <typename T>
+void TrackerService::note(const char* channel, const T& value) {
+  if (!journal_) return;
+  const base::Status written = journal_->add(channel, value);
+  if (written) return;
+  spdlog::warn("a tracker that is killed from now on cannot resume: {}", written.error().message);
+  journal_.reset();
 }
 
 void TrackerService::answer(const tracking::PoseEstimate& estimate) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "common/service/journal.hpp"
 #include "common/service/service.hpp"
 #include "common/tracking/tracker.hpp"
 #include "services/tracker/correction_record.hpp"
@@ -21,9 +22,17 @@ namespace eg::services {
 /// messages and corrections are sent again to those who ask (RESEND); to let them see what they miss, every POSE
 /// carries the version of the newest correction, and the newest correction is repeated once a second, in real time the
 /// newest KEYFRAME, too.
+///
+/// With a journal, a tracker that was killed comes back as it was: tracking is deterministic, so that the frames and
+/// the updates of the graph are all that its state follows from. Each is on the disk before anybody hears of its
+/// result.
 class TrackerService : public service::Service {
  public:
   TrackerService(service::ServiceContext& context, tracking::TrackerOptions options);
+
+  /// Once, before the first message: goes on from tracker.journal in the output folder and keeps it from now on. Fails
+  /// if it cannot be written or is damaged.
+  base::Status resume();
 
   void idle(std::int64_t now_utime) override;
 
@@ -40,6 +49,18 @@ class TrackerService : public service::Service {
 
   void track_waiting_frames();
   void track(const features::FrameFeatures& frame);
+  /// What is to be said about a frame.
+  struct Answer {
+    tracking::PoseEstimate estimate;
+    std::optional<egraph::Keyframe> keyframe;
+    std::vector<tracking::PoseCorrection> corrections;
+  };
+  Answer compute(const features::FrameFeatures& frame);
+  base::Status apply(const egraph::GraphUpdate& update);
+  base::Status apply(const egraph::GraphSnapshot& snapshot);
+  base::Status replay(const transport::LogEvent& event);
+  template <typename T>
+  void note(const char* channel, const T& value);
   void answer(const tracking::PoseEstimate& estimate);
   void acknowledge(std::int64_t sequence);
   void announce(const std::vector<tracking::PoseCorrection>& corrections);
@@ -50,6 +71,7 @@ class TrackerService : public service::Service {
   service::ServiceContext& context_;
   tracking::Tracker tracker_;
   TrackRecord record_;
+  std::optional<service::Journal> journal_;
   std::int64_t session_ = 0;
   std::int64_t next_sequence_ = 0;
   std::map<std::int64_t, features::FrameFeatures> waiting_;          ///< by sequence

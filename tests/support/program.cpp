@@ -97,7 +97,7 @@ bool no_process_is_left(std::chrono::seconds limit) {
 pid_t service_pid(const std::filesystem::path& log, const std::string& service) {
   const std::string text = file_bytes(log);
   const std::string wanted = service + " started as process ";
-  const std::size_t at = text.find(wanted);
+  const std::size_t at = text.rfind(wanted);
   return at == std::string::npos ? 0 : std::atoi(text.c_str() + at + wanted.size());
 }
 

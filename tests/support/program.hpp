@@ -43,7 +43,8 @@ class Program {
 /// Whether all processes that this one has started, directly or not, are gone within `limit`.
 bool no_process_is_left(std::chrono::seconds limit = std::chrono::seconds(5));
 
-/// The process number of a service that a run has announced in its log.txt ("tracker started as process 17"); 0: none.
+/// The process number of a service that a run has announced in its log.txt ("tracker started as process 17"), the
+/// latest if it was started again; 0: none.
 pid_t service_pid(const std::filesystem::path& log, const std::string& service);
 
 /// The bytes of a file; empty if there is none.

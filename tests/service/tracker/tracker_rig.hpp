@@ -33,8 +33,11 @@ inline const FrameFeatures& frame(std::size_t index) { return recording().frames
 /// The tracker on a bus, with a peer in place of source, server and viewers.
 class Rig {
  public:
-  explicit Rig(bool lockstep, const transport::MemoryNetwork::Disturbance& disturbance = {})
-      : network_(std::make_shared<transport::MemoryNetwork>(disturbance)),
+  /// `out`: empty for a folder of its own and no journal.
+  explicit Rig(bool lockstep, const transport::MemoryNetwork::Disturbance& disturbance = {},
+               const std::filesystem::path& out = {})
+      : out_(out.empty() ? folder_.path() : out),
+        network_(std::make_shared<transport::MemoryNetwork>(disturbance)),
         bus_(network_),
         peer_(network_),
         context_(bus_, options(lockstep)),
@@ -42,7 +45,11 @@ class Rig {
         poses(peer_.collect<PoseEstimate>(channels::kPose)),
         acknowledged(peer_.collect<messages::Acknowledge>(channels::kAcknowledge)),
         keyframes(peer_.collect<egraph::Keyframe>(channels::kKeyframe)),
-        requests(peer_.collect<messages::GraphRequest>(channels::kGraphRequest)) {}
+        requests(peer_.collect<messages::GraphRequest>(channels::kGraphRequest)) {
+    if (out.empty()) return;
+    const auto resumed = service_.resume();
+    EXPECT_TRUE(resumed) << resumed.error().message;
+  }
 
   template <typename T>
   void send(const char* channel, const T& value) {
@@ -76,7 +83,7 @@ class Rig {
 
   base::Status save() { return service_.save(); }
   [[nodiscard]] messages::ServiceStatus status() { return context_.status().status(0); }
-  [[nodiscard]] const std::filesystem::path& folder() const { return folder_.path(); }
+  [[nodiscard]] const std::filesystem::path& folder() const { return out_; }
 
   /// The sequence numbers of the poses so far.
   [[nodiscard]] std::vector<std::int64_t> order() const {
@@ -89,7 +96,7 @@ class Rig {
   service::ServiceOptions options(bool lockstep) const {
     service::ServiceOptions options;
     options.name = "tracker";
-    options.out = folder_.path();
+    options.out = out_;
     options.lockstep = lockstep;
     return options;
   }
@@ -99,6 +106,7 @@ class Rig {
   }
 
   test::TemporaryFolder folder_;
+  std::filesystem::path out_;
   std::shared_ptr<transport::MemoryNetwork> network_;
   transport::MemoryBus bus_;
   test::BusPeer peer_;

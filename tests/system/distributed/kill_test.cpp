@@ -36,9 +36,9 @@ TEST_P(Killed, TheRunIsCompletedAllTheSame) {
       << "with a heading; " << fleet.output();
 }
 
-// The tracker and the mapper are not among them: what they know of the run is lost with them.
 INSTANTIATE_TEST_SUITE_P(All, Killed,
-                         testing::Values("egraph-frame-source", "egraph-feature-extractor", "egraph-server"));
+                         testing::Values("egraph-frame-source", "egraph-feature-extractor", "egraph-server",
+                                         "egraph-tracker", "egraph-mapper"));
 
 }  // namespace
 }  // namespace eg

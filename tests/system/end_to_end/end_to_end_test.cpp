@@ -147,13 +147,36 @@ TEST_F(EndToEnd, KillingTheRunEndsTheServices) {
   EXPECT_TRUE(test::no_process_is_left(15s));
 }
 
-TEST_F(EndToEnd, NamesAServiceThatDiesAndSavesTheRest) {
+TEST_F(EndToEnd, KilledServicesComeBackAndChangeNothing) {
+  const auto undisturbed = folder_.path() / "undisturbed";
   const auto out = folder_.path() / "out";
-  Program run("egraph-run", arguments(out, 1000));
+  Program reference("egraph-run", arguments(undisturbed, 30));
+  Program run("egraph-run", arguments(out, 30));
   ASSERT_TRUE(is_under_way(run, out)) << run.output();
-  const pid_t tracker = test::service_pid(out / "log.txt", "tracker");
-  ASSERT_GT(tracker, 0);
-  kill(tracker, SIGKILL);
+  for (const char* service : {"tracker", "mapper", "egraph_server", "frame_source", "feature_extractor", "tracker"}) {
+    const pid_t pid = test::service_pid(out / "log.txt", service);
+    ASSERT_GT(pid, 0) << service;
+    kill(pid, SIGKILL);
+    std::this_thread::sleep_for(200ms);
+  }
+  ASSERT_EQ(run.wait(), 0) << run.output();
+  ASSERT_EQ(reference.wait(), 0) << reference.output();
+  EXPECT_THAT(file_bytes(out / "log.txt"), HasSubstr("tracker ended with signal 9 (Killed)"));
+  for (const char* name : {"trajectory.txt", "states.csv", "keyframes.txt", "egraph.json", "map.ply", "mesh.ply"}) {
+    EXPECT_TRUE(file_bytes(undisturbed / name) == file_bytes(out / name)) << name << " differs";
+  }
+}
+
+TEST_F(EndToEnd, NamesAServiceThatEndsForGoodAndSavesTheRest) {
+  const auto out = folder_.path() / "out";
+  std::string configuration = file_bytes(EGRAPH_SOURCE_DIR "/procman/egraph.pmd");
+  for (std::size_t at = 0; (at = configuration.find("auto_respawn = \"true\";", at)) != std::string::npos;) {
+    configuration.erase(at, std::string_view("auto_respawn = \"true\";").size());
+  }
+  const auto file = folder_.write("once.pmd", configuration);
+  Program run("egraph-run", arguments(out, 1000, {"--procman", file.string()}));
+  ASSERT_TRUE(is_under_way(run, out)) << run.output();
+  kill(test::service_pid(out / "log.txt", "tracker"), SIGKILL);
   EXPECT_EQ(run.wait(60s), 1);
   EXPECT_THAT(run.output(), HasSubstr("service tracker ended with signal 9 (Killed)"));
   EXPECT_TRUE(std::filesystem::exists(out / "egraph.json"));

@@ -9,11 +9,10 @@
 #include "common/messages/codec.hpp"
 #include "common/transport/event_log.hpp"
 
-namespace eg::services {
+namespace eg::service {
 
-/// What a mapper has worked in, on disk, so that one that was killed can go on where it stopped: an LCM log of the RGBD
-/// and POSE of every keyframe, of the POSE_CORRECTIONs and of the frames that are acknowledged, each written before the
-/// next message is looked at.
+/// What a service has worked in, on disk, so that one that was killed can go on where it stopped: an LCM log of the
+/// messages that its state follows from, each written before anybody hears of what it led to.
 class Journal {
  public:
   using Replay = std::function<base::Status(const transport::LogEvent&)>;
@@ -38,4 +37,4 @@ class Journal {
   transport::EventLogWriter writer_;
 };
 
-}  // namespace eg::services
+}  // namespace eg::service

@@ -1,9 +1,9 @@
-#include "services/mapper/journal.hpp"
+#include "common/service/journal.hpp"
 
 #include <optional>
 #include <string>
 
-namespace eg::services {
+namespace eg::service {
 namespace {
 
 /// The end of the events that can be read, and how many there are.
@@ -57,4 +57,4 @@ base::Status Journal::add_bytes(const char* channel, const messages::Bytes& byte
   return written ? writer_.flush() : written;
 }
 
-}  // namespace eg::services
+}  // namespace eg::service
