@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -40,6 +42,17 @@ struct LinkCollection {
   std::vector<Link> links;
 };
 
+/// bot_core.pointcloud2_t with the fields x, y, z and rgb, the latter as bits of a float, as PCL has it.
+struct PointCloud {
+  struct Point {
+    Eigen::Vector3f position;
+    std::array<std::uint8_t, 3> colour{};  ///< red, green, blue
+  };
+  std::int64_t utime = 0;
+  std::string frame;
+  std::vector<Point> points;
+};
+
 }  // namespace eg::messages::bot
 
 namespace eg::messages {
@@ -48,5 +61,6 @@ namespace eg::messages {
 Bytes encode(const bot::BodyPose& pose);
 Bytes encode(const bot::ObjectCollection& collection);
 Bytes encode(const bot::LinkCollection& collection);
+Bytes encode(const bot::PointCloud& cloud);
 
 }  // namespace eg::messages

@@ -14,16 +14,20 @@ using messages::bot::ObjectCollection;
 constexpr char kBodyPose[] = "POSE_BODY";
 constexpr char kObjects[] = "OBJECT_COLLECTION";
 constexpr char kLinks[] = "LINK_COLLECTION";
+constexpr char kCloud[] = "MAP_CLOUD";
 
 constexpr std::size_t kMaxSessions = 64;
 constexpr std::size_t kMaxItems = 2000;     // of a message: 128 kB
 constexpr std::int64_t kRound = 3'000'000;  // microseconds
 constexpr int kPoseQueue = 2;               // the newest counts
+constexpr int kStateQueue = 100;            // what is lost is sent again
+
+/// From axes x right, y down, z forward to x forward, y left, z up.
+const geometry::Pose kBodyFromCamera = {(Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished(),
+                                        Eigen::Vector3d::Zero()};
 
 /// The camera's pose as that of a body whose x axis looks forward and whose z axis points up, in such a world.
 geometry::Pose body_pose(const geometry::Pose& world_from_camera) {
-  static const geometry::Pose kBodyFromCamera = {(Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished(),
-                                                 Eigen::Vector3d::Zero()};
   return kBodyFromCamera * world_from_camera * kBodyFromCamera.inverse();
 }
 
@@ -51,10 +55,14 @@ LinkCollection::Link link(std::int32_t first, std::int32_t second) {
 BridgeService::BridgeService(service::ServiceContext& context) : context_(context) {
   namespace channels = messages::channels;
   context_.subscribe<tracking::PoseEstimate>(channels::kPose, kPoseQueue, [this](const auto& pose) { on_pose(pose); });
-  context_.subscribe<egraph::Keyframe>(channels::kKeyframe, 0, [this](const auto& keyframe) { on_keyframe(keyframe); });
-  context_.subscribe<tracking::PoseCorrection>(channels::kPoseCorrection, 0,
+  context_.subscribe<egraph::Keyframe>(channels::kKeyframe, kStateQueue,
+                                       [this](const auto& keyframe) { on_keyframe(keyframe); });
+  context_.subscribe<tracking::PoseCorrection>(channels::kPoseCorrection, kStateQueue,
                                                [this](const auto& correction) { on_correction(correction); });
-  context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, 0, [this](const auto& update) { on_update(update); });
+  context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, kStateQueue,
+                                          [this](const auto& update) { on_update(update); });
+  context_.subscribe<mapping::MeshChunk>(channels::kMeshChunk, kStateQueue,
+                                         [this](const auto& chunk) { on_chunk(chunk); });
 }
 
 BridgeService::Session* BridgeService::session(std::int64_t number) {
@@ -63,6 +71,7 @@ BridgeService::Session* BridgeService::session(std::int64_t number) {
 }
 
 void BridgeService::on_pose(const tracking::PoseEstimate& pose) {
+  if (Session* known = session(pose.header.session)) known->corrections.announce(pose.corrections);
   if (!pose.has_pose) return;
   context_.publish(kBodyPose, BodyPose{pose.header.utime, body_pose(pose.world_from_camera)});
   context_.status().count_frame(0.0);
@@ -78,7 +87,7 @@ void BridgeService::on_keyframe(const egraph::Keyframe& keyframe) {
 
 void BridgeService::on_correction(const tracking::PoseCorrection& correction) {
   Session* known = session(correction.session);
-  if (known == nullptr) return;
+  if (known == nullptr || !known->corrections.take(correction)) return;
   ObjectCollection collection = keyframe_collection(correction.session);
   for (const auto& [keyframe, world_from_camera] : correction.entries) {
     std::int64_t& version = known->versions[keyframe.value];
@@ -101,7 +110,17 @@ void BridgeService::on_update(const egraph::GraphUpdate& update) {
   if (!collection.links.empty()) context_.publish(kLinks, collection);
 }
 
+void BridgeService::on_chunk(const mapping::MeshChunk& chunk) {
+  if (Session* known = session(chunk.session)) known->cloud.add(chunk);
+}
+
 void BridgeService::idle(std::int64_t now_utime) {
+  for (auto& [number, known] : sessions_) {
+    const auto have = known.corrections.to_request(now_utime);
+    if (!have) continue;
+    const messages::ResendRequest request{number, messages::channels::kPoseCorrection, {*have}};
+    context_.publish(messages::channels::kResend, request);
+  }
   if (now_utime - last_round_ < kRound) return;
   last_round_ = now_utime;
   for (const auto& [number, known] : sessions_) send_all(number, known);
@@ -124,6 +143,15 @@ void BridgeService::send_all(std::int64_t number, const Session& known) {
     links.links.clear();
   }
   if (!links.links.empty()) context_.publish(kLinks, links);
+  if (!known.cloud.empty()) send_cloud(number, known.cloud);
+}
+
+void BridgeService::send_cloud(std::int64_t number, const CloudMap& map) {
+  messages::bot::PointCloud cloud = map.cloud();
+  cloud.frame = "map of session " + std::to_string(number);
+  const Eigen::Matrix3f rotation = kBodyFromCamera.rotation.cast<float>();
+  for (auto& point : cloud.points) point.position = rotation * point.position;
+  context_.publish(kCloud, cloud);
 }
 
 }  // namespace eg::services

@@ -6,12 +6,15 @@
 #include <utility>
 
 #include "common/messages/bot.hpp"
+#include "common/service/correction_follower.hpp"
 #include "common/service/service.hpp"
+#include "services/bridge/cloud_map.hpp"
 
 namespace eg::services {
 
 /// Says what E-Graph SLAM computes in the types that robots and viewers of the LCM world know: POSE as bot_core.pose_t
-/// on POSE_BODY, keyframes and the edges of the E-Graph as vs collections on OBJECT_COLLECTION and LINK_COLLECTION.
+/// on POSE_BODY, keyframes and the edges of the E-Graph as vs collections on OBJECT_COLLECTION and LINK_COLLECTION, the
+/// vertices of the mesh, thinned, as bot_core.pointcloud2_t on MAP_CLOUD.
 ///
 /// Their frames: x forward, y left, z up, both of the body (the camera) and of the world (the first keyframe). New
 /// keyframes and corrected ones are sent at once, all of them again every few seconds for viewers that come late.
@@ -27,15 +30,19 @@ class BridgeService : public service::Service {
     std::map<std::int32_t, geometry::Pose> keyframes;       ///< by id, world_from_camera
     std::map<std::int32_t, std::int64_t> versions;          ///< of the corrections that moved them
     std::set<std::pair<std::int32_t, std::int32_t>> edges;  ///< between keyframes
+    service::CorrectionFollower corrections;                ///< which of them have come
+    CloudMap cloud;
   };
 
   void on_pose(const tracking::PoseEstimate& pose);
   void on_keyframe(const egraph::Keyframe& keyframe);
   void on_correction(const tracking::PoseCorrection& correction);
   void on_update(const egraph::GraphUpdate& update);
+  void on_chunk(const mapping::MeshChunk& chunk);
   /// The session's record; null if there are too many already.
   Session* session(std::int64_t number);
   void send_all(std::int64_t number, const Session& session);
+  void send_cloud(std::int64_t number, const CloudMap& map);
 
   service::ServiceContext& context_;
   std::map<std::int64_t, Session> sessions_;

@@ -1,14 +1,19 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "common/io/camera_file.hpp"
 #include "common/io/config.hpp"
 #include "services/frame_source/frame_source_service.hpp"
+#include "services/frame_source/live_source_service.hpp"
 
 namespace {
 
 using namespace eg;
 
-void add_options(CLI::App& app, services::FrameSourceOptions& options) {
+void add_options(CLI::App& app, services::FrameSourceOptions& options, std::string& live) {
+  app.add_option("--live", live,
+                 "Channel of a live camera (bot_core.images_t, e.g. OPENNI_FRAME) instead of a data set")
+      ->envname("EGRAPH_LIVE");
   app.add_option("--dataset", options.input.dataset,
                  "Folder in TUM RGB-D or ICL-NUIM layout, synthetic:SCENE or log:FILE")
       ->envname("EGRAPH_DATASET")
@@ -42,6 +47,16 @@ void configure(io::ConfigSchema& section, services::FrameSourceOptions& options)
       .field("noise", options.input.noise, "of a structured-light depth camera and its colour camera");
 }
 
+base::Result<std::unique_ptr<service::Service>> make_live(service::ServiceContext& context, const std::string& channel,
+                                                          const services::InputOptions& input) {
+  if (context.options().lockstep) return base::fail("--live: a camera waits for nobody, so not with --lockstep");
+  if (input.camera.empty()) return base::fail("--live needs --camera: the images do not say which camera took them");
+  auto camera = io::read_camera(input.camera);
+  if (!camera) return tl::make_unexpected(camera.error());
+  services::LiveSourceOptions options{channel, *std::move(camera), input.session.value_or(1)};
+  return std::make_unique<services::LiveSourceService>(context, std::move(options));
+}
+
 base::Result<std::unique_ptr<service::Service>> make(service::ServiceContext& context,
                                                      const services::FrameSourceOptions& options) {
   if (const auto valid = services::validate(options, context.options().lockstep); !valid) {
@@ -59,8 +74,11 @@ int main(int argc, char** argv) {
   service::ServiceProgram program;
   program.name = "frame_source";
   program.description = "Publishes the frames of a recording or of a synthetic scene";
-  program.add_options = [&options](CLI::App& app) { add_options(app, options); };
+  std::string live;
+  program.add_options = [&](CLI::App& app) { add_options(app, options, live); };
   program.configure = [&options](io::ConfigSchema& section) { configure(section, options); };
-  program.make = [&options](service::ServiceContext& context) { return make(context, options); };
+  program.make = [&](service::ServiceContext& context) {
+    return live.empty() ? make(context, options) : make_live(context, live, options.input);
+  };
   return service::run_service(program, argc, argv);
 }

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <bot_core/pointcloud2_t.hpp>
 #include <bot_core/pose_t.hpp>
+#include <cstring>
 #include <vs/link_collection_t.hpp>
 #include <vs/object_collection_t.hpp>
 
@@ -18,6 +20,8 @@ namespace channels = messages::channels;
 
 TEST(BotTypes, HaveTheFingerprintsOfLibbot2) {
   EXPECT_EQ(static_cast<std::uint64_t>(bot_core::pose_t::getHash()), 0x2e16efb052b0105eU);
+  EXPECT_EQ(static_cast<std::uint64_t>(bot_core::pointcloud2_t::getHash()), 0x0bcd5ce4bf5a1b4aU);
+  EXPECT_EQ(static_cast<std::uint64_t>(bot_core::pointfield_t::getHash()), 0xb24e10825e0b476dU);
   EXPECT_EQ(static_cast<std::uint64_t>(vs::object_collection_t::getHash()), 0x48dae1018f96f277U);
   EXPECT_EQ(static_cast<std::uint64_t>(vs::link_collection_t::getHash()), 0xd8955824928300eaU);
 }
@@ -38,6 +42,7 @@ class Bridge : public testing::Test {
     listen("POSE_BODY", poses_);
     listen("OBJECT_COLLECTION", objects_);
     listen("LINK_COLLECTION", links_);
+    listen("MAP_CLOUD", clouds_);
   }
   template <typename T>
   void send(const char* channel, const T& value) {
@@ -62,6 +67,7 @@ class Bridge : public testing::Test {
   std::vector<bot_core::pose_t> poses_;
   std::vector<vs::object_collection_t> objects_;
   std::vector<vs::link_collection_t> links_;
+  std::vector<bot_core::pointcloud2_t> clouds_;
 };
 
 TEST_F(Bridge, TurnsTheCamerasAxesIntoTheBodys) {
@@ -117,6 +123,55 @@ TEST_F(Bridge, SendsEdgesAsLinksBetweenKeyframes) {
   EXPECT_EQ(links_[0].links[0].id1, 0);
   EXPECT_EQ(links_[0].links[0].id2, 2);
   EXPECT_EQ(links_[0].links[0].collection1, objects_.at(0).id);
+}
+
+mapping::MeshChunk chunk(int tile, int revision, int vertices) {
+  mapping::MeshChunk chunk;
+  chunk.session = 3;
+  chunk.tile = {tile, 0, 0};
+  chunk.tile_size = 1.0;
+  chunk.revision = revision;
+  for (int i = 0; i < vertices; ++i) {
+    chunk.mesh.vertices.emplace_back(1.0F, 2.0F, 3.0F);  // right, down, forward
+    chunk.mesh.normals.emplace_back(0.0F, 0.0F, 1.0F);
+    chunk.mesh.colours.push_back({10, 20, 30});
+  }
+  return chunk;
+}
+
+TEST_F(Bridge, SendsTheMeshAsAThinnedCloud) {
+  send(channels::kMeshChunk, chunk(0, 2, 5));
+  send(channels::kMeshChunk, chunk(0, 1, 9));  // older
+  bridge_.idle(10'000'000);
+  ASSERT_TRUE(viewer_.handle(std::chrono::milliseconds(0)));
+  ASSERT_EQ(clouds_.size(), 1U);
+  EXPECT_EQ(clouds_[0].width, 5);
+  EXPECT_EQ(clouds_[0].point_step, 16);
+  EXPECT_EQ(clouds_[0].fields[3].name, "rgb");
+  std::array<float, 3> position{};
+  std::memcpy(position.data(), clouds_[0].data.data(), sizeof position);
+  EXPECT_THAT(position, testing::ElementsAre(3.0F, -1.0F, -2.0F)) << "x forward, y left, z up";
+  EXPECT_THAT(std::vector<int>(clouds_[0].data.begin() + 12, clouds_[0].data.begin() + 15),
+              testing::ElementsAre(30, 20, 10));
+
+  for (int tile = 1; tile < 60; ++tile) send(channels::kMeshChunk, chunk(tile, 1, 1000));
+  bridge_.idle(20'000'000);
+  ASSERT_TRUE(viewer_.handle(std::chrono::milliseconds(0)));
+  ASSERT_EQ(clouds_.size(), 2U);
+  EXPECT_LE(clouds_[1].width, 10'000);
+  EXPECT_GE(clouds_[1].width, 4'000);
+}
+
+TEST_F(Bridge, AsksForCorrectionsThatItMissed) {
+  const auto requests = system_.collect<messages::ResendRequest>(channels::kResend);
+  send(channels::kPoseCorrection, tracking::PoseCorrection{3, 5, {{{1}, {}}}, 4});
+  bridge_.idle(1'000'000);
+  bridge_.idle(2'000'000);
+  system_.handle();
+  ASSERT_FALSE(requests->empty());
+  EXPECT_EQ(requests->front().session, 3);
+  EXPECT_EQ(requests->front().channel, channels::kPoseCorrection);
+  EXPECT_THAT(requests->front().numbers, testing::ElementsAre(0));
 }
 
 }  // namespace
