@@ -128,8 +128,11 @@ void GraphBuilder::fuse(const Keyframe& keyframe, GraphUpdate& update) const {
     }
     update.observations.push_back({keyframe.id, landmark->id, sign * feature.direction, feature.covariance});
   }
-  for (const DirectionLandmark& landmark : landmarks) {
-    if (landmark.last_seen == keyframe.id) update.landmarks.push_back(landmark);
+  for (DirectionLandmark& landmark : landmarks) {
+    if (landmark.last_seen != keyframe.id) continue;
+    // As messages and journals carry it, to the last bit: a builder that starts from them goes on in the same way.
+    landmark.covariance = Eigen::Matrix3d(landmark.covariance.selfadjointView<Eigen::Upper>());
+    update.landmarks.push_back(landmark);
   }
 }
 

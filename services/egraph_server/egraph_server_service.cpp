@@ -109,6 +109,10 @@ void EGraphServerService::on_restore(const egraph::GraphSnapshot& snapshot) {
 
 base::Status EGraphServerService::save() {
   if (context_.options().out.empty()) return {};
+  // A server that was killed after a session's last keyframe has not heard of it since.
+  for (const std::int64_t id : GraphStore::sessions_in(state_)) {
+    if (const auto kept = open(id); !kept) return tl::make_unexpected(kept.error());
+  }
   for (const auto& [id, session] : sessions_) {
     const std::string name = sessions_.size() == 1 ? "egraph.json" : "egraph-" + std::to_string(id) + ".json";
     const auto written = io::write_graph(context_.options().out / name, session.builder.graph().snapshot(id));

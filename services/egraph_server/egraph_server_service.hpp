@@ -21,7 +21,8 @@ class EGraphServerService : public service::Service {
   EGraphServerService(service::ServiceContext& context, egraph::GraphBuilderOptions options,
                       std::filesystem::path state = {});
 
-  /// Writes egraph.json, or egraph-<session>.json for each of several sessions.
+  /// Writes egraph.json, or egraph-<session>.json for each of several sessions, also of those that were not heard of
+  /// since the server was started.
   base::Status save() override;
 
  private:

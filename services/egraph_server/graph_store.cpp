@@ -1,5 +1,8 @@
 #include "services/egraph_server/graph_store.hpp"
 
+#include <algorithm>
+#include <charconv>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -12,7 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kExtension[] = ".journal";
+constexpr std::string_view kPrefix = "graph-";
+constexpr std::string_view kExtension = ".journal";
 
 std::string_view text_of(const messages::Bytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -35,7 +39,22 @@ std::string put_aside(const fs::path& path, const std::string& damage) {
 }  // namespace
 
 GraphStore::GraphStore(const fs::path& folder, std::int64_t session)
-    : path_(folder / ("graph-" + std::to_string(session) + kExtension)), session_(session) {}
+    : path_(folder / (std::string(kPrefix) + std::to_string(session) + std::string(kExtension))), session_(session) {}
+
+std::vector<std::int64_t> GraphStore::sessions_in(const fs::path& folder) {
+  std::vector<std::int64_t> sessions;
+  std::error_code failure;
+  for (const auto& entry : fs::directory_iterator(folder, failure)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kPrefix) || !name.ends_with(kExtension)) continue;
+    const char* const end = name.data() + name.size() - kExtension.size();
+    std::int64_t session = 0;
+    const auto number = std::from_chars(name.data() + kPrefix.size(), end, session);
+    if (number.ec == std::errc{} && number.ptr == end) sessions.push_back(session);
+  }
+  std::sort(sessions.begin(), sessions.end());
+  return sessions;
+}
 
 base::Status GraphStore::prepare_folder(const fs::path& folder) {
   if (folder.empty()) return {};
@@ -44,7 +63,7 @@ base::Status GraphStore::prepare_folder(const fs::path& folder) {
   if (failure) return about(folder, "cannot be made: " + failure.message());
   for (const auto& entry : fs::directory_iterator(folder, failure)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with("graph-") || !name.ends_with(kExtension)) continue;
+    if (!name.starts_with(kPrefix) || !name.ends_with(kExtension)) continue;
     if (const auto sound = io::check_journal(entry.path(), journal_schema()); !sound) return sound;
   }
   if (failure) return about(folder, "cannot be read: " + failure.message());

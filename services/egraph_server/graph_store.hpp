@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/base/result.hpp"
 #include "common/egraph/graph_builder.hpp"
@@ -26,6 +27,9 @@ class GraphStore {
   /// Makes the folder unless it is there, or its name is empty. Refuses journals in it that this program cannot read,
   /// by name, before any session needs them.
   static base::Status prepare_folder(const std::filesystem::path& folder);
+
+  /// The sessions that are kept in a folder, in ascending order.
+  static std::vector<std::int64_t> sessions_in(const std::filesystem::path& folder);
 
   GraphStore(const std::filesystem::path& folder, std::int64_t session);
 

@@ -66,6 +66,16 @@ TEST_F(RestartedServer, RepeatsTheAnswersOfItsFirstLife) {
   EXPECT_EQ(messages::encode(updates_->back()), messages::encode((*updates_)[2]));
 }
 
+TEST_F(RestartedServer, SavesGraphsThatItHasNotHeardOfSince) {
+  for (int id = 0; id < 3; ++id) send(keyframe(1, id));
+  ASSERT_TRUE(service_->save());
+  const std::string before = io::read_file(file("egraph.json")).value();
+  std::filesystem::remove(file("egraph.json"));
+  restart();
+  ASSERT_TRUE(service_->save());
+  EXPECT_EQ(io::read_file(file("egraph.json")).value(), before);
+}
+
 TEST_F(RestartedServer, AWriteThatWasCutShortCostsOneKeyframe) {
   for (int id = 0; id < 3; ++id) send(keyframe(1, id));
   change_file([](std::string& bytes) { bytes.resize(bytes.size() - 5); });

@@ -22,7 +22,7 @@ inline egraph::Keyframe keyframe(std::int64_t session, int id) {
   egraph::Keyframe result;
   result.header = {session, 10 * id, 1'000'000 + 100'000 * id};
   result.id = egraph::KeyframeId{id};
-  result.world_from_camera = {geometry::so3_exp({0, 0.1 * id, 0}), {0.1 * id, 0, 0}};
+  result.world_from_camera = {geometry::so3_exp({0.03 * id, 0.1 * id, -0.02 * id}), {0.1 * id, 0, 0}};
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d direction = result.world_from_camera.rotation.transpose() * Eigen::Vector3d::Unit(axis);
     const auto kind = axis < 2 ? egraph::DirectionKind::plane_normal : egraph::DirectionKind::vanishing_direction;

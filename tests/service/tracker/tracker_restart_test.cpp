@@ -28,8 +28,13 @@ class TrackerRestart : public testing::Test {
     EXPECT_TRUE(whole.save());
     for (const char* name : kResults) undisturbed_.push_back(test::file_bytes(whole.folder() / name));
     keyframes_ = *whole.keyframes;
+    for (const PoseEstimate& pose : *whole.poses) poses_.push_back(messages::encode(pose));
   }
   void expect_undisturbed(Rig& rig) {
+    for (const PoseEstimate& pose : *rig.poses) {
+      EXPECT_EQ(messages::encode(pose), poses_[static_cast<std::size_t>(pose.header.sequence)])
+          << "to the last bit, frame " << pose.header.sequence;
+    }
     ASSERT_TRUE(rig.save());
     for (std::size_t i = 0; i < kResults.size(); ++i) {
       EXPECT_TRUE(test::file_bytes(folder_.path() / kResults[i]) == undisturbed_[i]) << kResults[i];
@@ -41,6 +46,7 @@ class TrackerRestart : public testing::Test {
   test::TemporaryFolder folder_;
   std::vector<std::string> undisturbed_;
   std::vector<egraph::Keyframe> keyframes_;
+  std::vector<messages::Bytes> poses_;  ///< by sequence
 };
 
 TEST_F(TrackerRestart, AKilledTrackerGoesOnAsIfNothingHadHappened) {
