@@ -30,6 +30,17 @@ MeasuredLine measure(const Segment& segment, const cv::Mat& depth, const Gradien
   return line;
 }
 
+/// Whether a segment runs along the border of the image, where many cameras' images end in a dark seam; it would move
+/// with the camera.
+bool is_seam(const Segment& segment, const cv::Size& image) {
+  constexpr double kWidth = 4.0;  // pixels; nearer to the border a segment cannot be refined either
+  const auto along = [](double a, double b, int side) {
+    return std::max(a, b) < kWidth || std::min(a, b) > side - 1 - kWidth;
+  };
+  return along(segment.start.x(), segment.end.x(), image.width) ||
+         along(segment.start.y(), segment.end.y(), image.height);
+}
+
 }  // namespace
 
 base::Status validate(const LineExtractorOptions& options) {
@@ -63,7 +74,8 @@ std::vector<Segment> LineExtractor::find_segments(const cv::Mat& grey) {
   const std::size_t pieces = segments.size();
   segments = merge_collinear(std::move(segments), options_.merger);
   const double min_length = min_segment_length(grey.size(), options_.detector);
-  std::erase_if(segments, [&](const Segment& segment) { return segment.length() < min_length; });
+  std::erase_if(segments,
+                [&](const Segment& segment) { return segment.length() < min_length || is_seam(segment, grey.size()); });
   segments.resize(std::min(segments.size(), static_cast<std::size_t>(options_.max_lines)));
   if (segments.size() < pieces) {
     for (Segment& segment : segments) segment = refine_segment(grey, segment);

@@ -162,7 +162,7 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   PlaneExtraction result;
   const double warp_side = options_.warp_blocks * block_size;
   const double warp_area = warp_side * warp_side;
-  const std::vector<PlaneScatter> scatters = scatter_of_regions(patches, regions);
+  const std::vector<PlaneScatter> scatters = scatter_of_regions(patches, regions, grid.columns);
   for (std::size_t i = 0; i < regions.size(); ++i) {
     result.planes.push_back(make_feature(regions[i], scatters[i], errors.warp, warp_area, options_));
   }

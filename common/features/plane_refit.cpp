@@ -8,26 +8,23 @@
 namespace eg::features {
 namespace {
 
-constexpr int kClusterBlocks =
-    3;  // on a side of a cluster: disparity in whole steps correlates errors over some blocks
-
 /// Splits the pixels of one block by label.
 class BlockSplitter {
  public:
   explicit BlockSplitter(const BlockGrid& grid) : grid_(grid) {}
 
-  void split(const cv::Rect& block, int cluster, const cv::Mat& labels, std::vector<RegionPatch>& patches) {
-    for (int v = block.y; v < block.y + block.height; ++v) {
+  void split(const cv::Rect& pixels, int block, const cv::Mat& labels, std::vector<RegionPatch>& patches) {
+    for (int v = pixels.y; v < pixels.y + pixels.height; ++v) {
       const auto* label = labels.ptr<std::uint8_t>(v);
       const auto* w = grid_.inverse_depth.ptr<float>(v);
-      for (int u = block.x; u < block.x + block.width; ++u) {
+      for (int u = pixels.x; u < pixels.x + pixels.width; ++u) {
         if (label[u] > 0) patch_of(label[u] - 1, patches).moments.add(ray_x(u), ray_y(v), w[u]);
       }
     }
     for (std::size_t i = patches.size() - used_; i < patches.size(); ++i) {
       weight_by_noise(patches[i].moments);
       patches[i].fitted = used_ == 1;
-      patches[i].cluster = cluster;
+      patches[i].block = block;
     }
     used_ = 0;
   }
@@ -64,6 +61,41 @@ std::vector<PlaneRegion> fit_regions(const std::vector<RegionPatch>& patches, st
   return regions;
 }
 
+/// Sums of the scores in the squares of every size.
+class ScoreSums {
+ public:
+  explicit ScoreSums(int columns) : columns_(columns) {}
+
+  void add(int block, const Eigen::Vector3d& score) {
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      const int side = kSquareBlocks[i];
+      const int squares_per_row = (columns_ + side - 1) / side;
+      const int square = block / columns_ / side * squares_per_row + block % columns_ / side;
+      std::vector<Eigen::Vector3d>& sums = sums_[i];
+      if (static_cast<std::size_t>(square) >= sums.size()) {
+        sums.resize(static_cast<std::size_t>(square) + 1, Eigen::Vector3d::Zero());
+      }
+      sums[static_cast<std::size_t>(square)] += score;
+    }
+  }
+
+  [[nodiscard]] std::array<ScoreScatter, kSquareSizes> scatter() const {
+    std::array<ScoreScatter, kSquareSizes> result;
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      for (const Eigen::Vector3d& score : sums_[i]) {
+        if (score.isZero(0.0)) continue;
+        result[i].squares += 1;
+        result[i].products += score * score.transpose();
+      }
+    }
+    return result;
+  }
+
+ private:
+  int columns_;
+  std::array<std::vector<Eigen::Vector3d>, kSquareSizes> sums_;
+};
+
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -95,15 +127,14 @@ void trim(const std::vector<PlaneRegion>& regions, std::vector<RegionPatch>& pat
 void collect_patches(const BlockGrid& grid, const RegionLabels& labels, std::vector<RegionPatch>& patches) {
   patches.clear();
   BlockSplitter splitter(grid);
-  const int clusters_per_row = (grid.columns + kClusterBlocks - 1) / kClusterBlocks;
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      const auto block = static_cast<std::size_t>(row * grid.columns + column);
-      const int cluster = row / kClusterBlocks * clusters_per_row + column / kClusterBlocks;
-      if (labels.seed_of_block[block] >= 0) {
-        patches.push_back({labels.seed_of_block[block], grid.moments[block], true, cluster});
+      const int block = row * grid.columns + column;
+      const int seed = labels.seed_of_block[static_cast<std::size_t>(block)];
+      if (seed >= 0) {
+        patches.push_back({seed, grid.moments[static_cast<std::size_t>(block)], true, block});
       } else {
-        splitter.split(grid.pixels_of(column, row), cluster, labels.labels, patches);
+        splitter.split(grid.pixels_of(column, row), block, labels.labels, patches);
       }
     }
   }
@@ -120,38 +151,33 @@ std::vector<PlaneRegion> refit_regions(std::vector<RegionPatch>& patches, int co
 }
 
 std::vector<PlaneScatter> scatter_of_regions(const std::vector<RegionPatch>& patches,
-                                             const std::vector<PlaneRegion>& regions) {
+                                             const std::vector<PlaneRegion>& regions, int columns) {
   std::vector<PlaneScatter> scatters(regions.size());
-  std::vector<std::vector<Eigen::Vector3d>> scores(regions.size());  // by cluster
+  std::vector<ScoreSums> sums(regions.size(), ScoreSums(columns));
   for (const RegionPatch& patch : patches) {
     if (patch.region < 0) continue;
     const auto region = static_cast<std::size_t>(patch.region);
-    const auto cluster = static_cast<std::size_t>(patch.cluster);
     const PlaneMoments& m = patch.moments;
     scatters[region].point_sum += m.pixels * Eigen::Vector3d(m.a, m.b, m.weight) / m.w;
-    if (!patch.fitted) continue;
-    if (cluster >= scores[region].size()) scores[region].resize(cluster + 1, Eigen::Vector3d::Zero());
-    scores[region][cluster] += m.score(regions[region].plane);
+    if (patch.fitted) sums[region].add(patch.block, m.score(regions[region].plane));
   }
-  for (std::size_t i = 0; i < regions.size(); ++i) {
-    for (const Eigen::Vector3d& score : scores[i]) {
-      if (score.isZero(0.0)) continue;
-      scatters[i].clusters += 1;
-      scatters[i].scores += score * score.transpose();
-    }
-  }
+  for (std::size_t i = 0; i < regions.size(); ++i) scatters[i].scores = sums[i].scatter();
   return scatters;
 }
 
 Eigen::Matrix3d plane_covariance(const PlaneRegion& region, const PlaneScatter& scatter) {
   const Eigen::Matrix3d inverse = region.moments.normal_matrix().inverse();
-  constexpr int kEnoughClusters = 8;
-  if (scatter.clusters < kEnoughClusters) {
-    // Too few to estimate from: as if the noise of each block were one single reading.
-    return inverse * (region.moments.pixels / std::max(1, scatter.clusters));
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const ScoreScatter& scores : scatter.scores) {
+    constexpr int kEnoughSquares = 8;
+    if (scores.squares < kEnoughSquares) continue;
+    const double degrees_of_freedom = scores.squares - 3;
+    const Eigen::Matrix3d estimate = inverse * scores.products * inverse * (scores.squares / degrees_of_freedom);
+    if (estimate.trace() > covariance.trace()) covariance = estimate;
   }
-  const double degrees_of_freedom = scatter.clusters - 3;
-  return inverse * scatter.scores * inverse * (scatter.clusters / degrees_of_freedom);
+  if (covariance.trace() > 0.0) return covariance;
+  // Too few squares to estimate from: as if the noise of each were one single reading.
+  return inverse * (region.moments.pixels / std::max(1, scatter.scores.front().squares));
 }
 
 Eigen::Matrix3d warp_covariance(const PlaneRegion& region, double warp, double area) {

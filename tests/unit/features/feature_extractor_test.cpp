@@ -106,6 +106,16 @@ TEST(FeatureExtractor, DirectionsAndTheirSourcesPointToEachOther) {
   EXPECT_EQ(extractor.plane_labels().size(), cv::Size(640, 480));
 }
 
+TEST(FeatureExtractor, ADarkSeamAtTheBorderOfTheImageIsNoLine) {
+  image::RectifiedFrame frame = room_frame(camera(640, 480), turned());
+  frame.colour.colRange(638, 640).setTo(cv::Scalar::all(5));
+  frame.colour.rowRange(0, 2).setTo(cv::Scalar::all(5));
+  for (const LineFeature& line : FeatureExtractor().extract(frame).lines) {
+    EXPECT_LT(std::min(line.start_pixel.x(), line.end_pixel.x()), 634.0);
+    EXPECT_GT(std::max(line.start_pixel.y(), line.end_pixel.y()), 5.0);
+  }
+}
+
 TEST(FeatureExtractor, TheResultDoesNotDependOnThreadsOrOnEarlierFrames) {
   const image::RectifiedFrame frame = room_frame(camera(640, 480), turned());
   FeatureExtractor extractor;
