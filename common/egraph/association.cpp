@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 #include <span>
 
 #include "common/geometry/so3.hpp"
@@ -50,6 +51,37 @@ Association compare(std::size_t feature, const TurnedDirection& seen, const Dire
   return {feature, landmark.id, sign, chi2, chance_chi2(spread(seen.covariance), max_angle)};
 }
 
+/// `landmarks`: pointers to those that may be meant.
+void add_candidates(std::size_t feature, DirectionKind kind, const TurnedDirection& seen, auto&& landmarks,
+                    const AssociationOptions& options, std::vector<Association>& found) {
+  const double min_cosine = std::cos(options.max_angle);
+  const std::size_t first = found.size();
+  int chances = 0;
+  for (const DirectionLandmark* landmark : landmarks) {
+    if (!same_class(kind, landmark->kind)) continue;
+    if (std::abs(seen.direction.dot(landmark->direction)) < min_cosine) continue;
+    ++chances;
+    const Association candidate = compare(feature, seen, *landmark, options.max_angle);
+    if (candidate.chi2 < options.max_chi2) found.push_back(candidate);
+  }
+  for (Association& candidate : std::span(found).subspan(first)) {
+    candidate.outlier_chi2 = std::max(0.0, candidate.outlier_chi2 - 2.0 * std::log(chances));
+  }
+}
+
+/// Of each feature's candidates, which stand together, the one that fits best.
+std::vector<Association> best_of_each(std::span<const Association> candidates) {
+  std::vector<Association> best;
+  for (const Association& candidate : candidates) {
+    if (best.empty() || best.back().feature != candidate.feature) {
+      best.push_back(candidate);
+    } else if (candidate.chi2 < best.back().chi2) {
+      best.back() = candidate;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 Eigen::Matrix3d direction_covariance_in_world(const features::DirectionFeature& feature,
@@ -60,44 +92,35 @@ Eigen::Matrix3d direction_covariance_in_world(const features::DirectionFeature& 
          lever * rotation_covariance * lever.transpose();
 }
 
-std::vector<Association> candidates(std::span<const features::DirectionFeature> directions,
-                                    std::span<const DirectionLandmark> landmarks,
+std::vector<Association> candidates(std::span<const features::DirectionFeature> directions, const Graph& graph,
                                     const Eigen::Matrix3d& world_from_camera,
                                     const Eigen::Matrix3d& rotation_covariance, const AssociationOptions& options) {
-  const double min_cosine = std::cos(options.max_angle);
   std::vector<Association> found;
   for (std::size_t i = 0; i < directions.size(); ++i) {
     const TurnedDirection seen(directions[i], world_from_camera, rotation_covariance);
-    const std::size_t first = found.size();
-    int chances = 0;
-    for (const DirectionLandmark& landmark : landmarks) {
-      if (!same_class(directions[i].kind, landmark.kind)) continue;
-      if (std::abs(seen.direction.dot(landmark.direction)) < min_cosine) continue;
-      ++chances;
-      const Association candidate = compare(i, seen, landmark, options.max_angle);
-      if (candidate.chi2 < options.max_chi2) found.push_back(candidate);
-    }
-    for (Association& candidate : std::span(found).subspan(first)) {
-      candidate.outlier_chi2 = std::max(0.0, candidate.outlier_chi2 - 2.0 * std::log(chances));
-    }
+    const std::vector<const DirectionLandmark*> near = graph.landmarks_near(seen.direction, options.max_angle);
+    const auto confirmed = [](const DirectionLandmark* l) { return l->kind != DirectionKind::potential_direction; };
+    add_candidates(i, directions[i].kind, seen, near | std::views::filter(confirmed), options, found);
   }
   return found;
 }
 
-std::vector<Association> associate(std::span<const features::DirectionFeature> directions,
-                                   std::span<const DirectionLandmark> landmarks,
+std::vector<Association> associate(std::span<const features::DirectionFeature> directions, const Graph& graph,
                                    const Eigen::Matrix3d& world_from_camera, const Eigen::Matrix3d& rotation_covariance,
                                    const AssociationOptions& options) {
-  std::vector<Association> best;
-  for (const Association& candidate :
-       candidates(directions, landmarks, world_from_camera, rotation_covariance, options)) {
-    if (best.empty() || best.back().feature != candidate.feature) {
-      best.push_back(candidate);
-    } else if (candidate.chi2 < best.back().chi2) {
-      best.back() = candidate;
-    }
-  }
-  return best;
+  return best_of_each(candidates(directions, graph, world_from_camera, rotation_covariance, options));
+}
+
+std::optional<Association> associate(const features::DirectionFeature& direction,
+                                     std::span<const DirectionLandmark> landmarks,
+                                     const Eigen::Matrix3d& world_from_camera,
+                                     const Eigen::Matrix3d& rotation_covariance, const AssociationOptions& options) {
+  const TurnedDirection seen(direction, world_from_camera, rotation_covariance);
+  const auto address = [](const DirectionLandmark& landmark) { return &landmark; };
+  std::vector<Association> found;
+  add_candidates(0, direction.kind, seen, landmarks | std::views::transform(address), options, found);
+  found = best_of_each(found);
+  return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
 }  // namespace eg::egraph

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <map>
 #include <string>
 
 #include "common/geometry/so3.hpp"
@@ -23,6 +24,55 @@ DirectionKind fused_kind(DirectionKind landmark) {
   return landmark == DirectionKind::potential_direction ? DirectionKind::vanishing_direction : landmark;
 }
 
+/// The landmarks as one keyframe changes them. Those that it makes take part at once: two parallel walls seen for the
+/// first time are one landmark.
+class ChangedLandmarks {
+ public:
+  explicit ChangedLandmarks(const Graph& graph) : graph_(graph), next_(graph.next_landmark()) {}
+
+  [[nodiscard]] std::vector<DirectionLandmark> near(const Eigen::Vector3d& direction, double max_angle) const {
+    std::vector<DirectionLandmark> found;
+    for (const DirectionLandmark* landmark : graph_.landmarks_near(direction, max_angle + kMaxFusionStep)) {
+      const auto changed = changed_.find(landmark->id);
+      found.push_back(changed != changed_.end() ? changed->second : *landmark);
+    }
+    for (auto made = changed_.lower_bound(graph_.next_landmark()); made != changed_.end(); ++made) {
+      found.push_back(made->second);
+    }
+    return found;
+  }
+
+  DirectionLandmark& change(LandmarkId id) {
+    if (const auto changed = changed_.find(id); changed != changed_.end()) return changed->second;
+    return changed_.emplace(id, *graph_.find_landmark(id)).first->second;
+  }
+
+  DirectionLandmark& make(DirectionKind kind, const Eigen::Vector3d& direction, const Eigen::Matrix3d& covariance,
+                          KeyframeId seen) {
+    const LandmarkId id = next_;
+    ++next_.value;
+    return changed_.emplace(id, DirectionLandmark{id, kind, direction, covariance, 1, seen, seen}).first->second;
+  }
+
+  [[nodiscard]] std::vector<DirectionLandmark> take() const {
+    std::vector<DirectionLandmark> landmarks;
+    for (const auto& [id, landmark] : changed_) {
+      landmarks.push_back(landmark);
+      // As messages and journals carry it, to the last bit: a builder that starts from them goes on in the same way.
+      landmarks.back().covariance = Eigen::Matrix3d(landmark.covariance.selfadjointView<Eigen::Upper>());
+    }
+    return landmarks;
+  }
+
+ private:
+  /// How far (radians) one keyframe may turn a landmark before it is looked for again; the gate is 5°.
+  static constexpr double kMaxFusionStep = 0.09;
+
+  const Graph& graph_;
+  LandmarkId next_;
+  std::map<LandmarkId, DirectionLandmark> changed_;
+};
+
 }  // namespace
 
 void fuse_direction(DirectionLandmark& landmark, const Eigen::Vector3d& direction, const Eigen::Matrix3d& covariance,
@@ -41,24 +91,23 @@ void fuse_direction(DirectionLandmark& landmark, const Eigen::Vector3d& directio
 
 base::Status BuilderState::apply(const GraphUpdate& update) {
   if (const auto applied = graph.apply(update); !applied) return applied;
-  for (const DirectionLandmark& landmark : update.landmarks) {
-    next_landmark = std::max(next_landmark, landmark.id.value + 1);
-  }
-  recent.push_back(update);
-  if (recent.size() > kRecentUpdates) recent.pop_front();
+  remember(update);
   return {};
 }
 
 base::Status BuilderState::reset(const GraphSnapshot& snapshot) {
   if (const auto taken = graph.reset(snapshot); !taken) return taken;
   recent.clear();
-  next_landmark = graph.landmarks().empty() ? 0 : graph.landmarks().back().id.value + 1;
   return {};
 }
 
+void BuilderState::remember(const GraphUpdate& update) {
+  recent.push_back(update);
+  if (recent.size() > kRecentUpdates) recent.pop_front();
+}
+
 Arrival GraphBuilder::arrival_of(const Keyframe& keyframe) const {
-  const auto keyframes = graph().keyframes();
-  const std::int32_t next = keyframes.empty() ? 0 : keyframes.back().id.value + 1;
+  const std::int32_t next = graph().keyframes().empty() ? 0 : graph().keyframes().back().id.value + 1;
   if (keyframe.id.value == next) return Arrival::next;
   if (keyframe.id.value > next) return Arrival::early;
   const KeyframeNode* known = graph().find_keyframe(keyframe.id);
@@ -91,68 +140,61 @@ base::Result<GraphUpdate> GraphBuilder::add_keyframe(const Keyframe& keyframe) {
   update.keyframe = {keyframe.id, keyframe.header.sequence, keyframe.header.utime, keyframe.world_from_camera,
                      keyframe.covariance};
   update.covisible = keyframe.covisible;
+  update.relative_poses = keyframe.relative_poses;
+  update.moved = keyframe.moved;
   fuse(keyframe, update);
   remove_stale_potentials(keyframe, update);
-  connect(update);
-  if (const auto applied = state_.apply(update); !applied) return tl::make_unexpected(applied.error());
+  if (const auto applied = state_.graph.apply(update); !applied) return tl::make_unexpected(applied.error());
+  if (optimization_is_due(graph().keyframes().size())) optimize(update);
+  state_.remember(update);
   return update;
 }
 
 void GraphBuilder::fuse(const Keyframe& keyframe, GraphUpdate& update) const {
   const Eigen::Matrix3d& world_from_camera = keyframe.world_from_camera.rotation;
   const Eigen::Matrix3d rotation_covariance = keyframe.covariance.topLeftCorner<3, 3>();
-  // Landmarks made by this keyframe take part at once: two parallel walls seen for the first time are one landmark.
-  std::vector<DirectionLandmark> landmarks(graph().landmarks().begin(), graph().landmarks().end());
-  std::int32_t next_landmark = state_.next_landmark;
-
-  for (std::size_t i = 0; i < keyframe.directions.size(); ++i) {
-    const features::DirectionFeature& feature = keyframe.directions[i];
-    const auto matches =
-        associate(std::span(&feature, 1), landmarks, world_from_camera, rotation_covariance, options_.association);
+  ChangedLandmarks landmarks(graph());
+  for (const features::DirectionFeature& feature : keyframe.directions) {
+    const Eigen::Vector3d in_world = world_from_camera * feature.direction;
     const Eigen::Matrix3d covariance = direction_covariance_in_world(feature, world_from_camera, rotation_covariance);
-    const double sign = matches.empty() ? 1.0 : matches.front().sign;
-    auto landmark = landmarks.end();
-    if (matches.empty()) {
-      const LandmarkId id{next_landmark++};
-      landmarks.push_back(
-          {id, feature.kind, world_from_camera * feature.direction, covariance, 1, keyframe.id, keyframe.id});
-      landmark = landmarks.end() - 1;
-    } else {
-      landmark = std::find_if(landmarks.begin(), landmarks.end(),
-                              [&](const DirectionLandmark& l) { return l.id == matches.front().landmark; });
-      fuse_direction(*landmark, sign * (world_from_camera * feature.direction), covariance,
-                     options_.min_landmark_sigma);
-      landmark->kind = fused_kind(landmark->kind);
-      if (landmark->last_seen != keyframe.id) ++landmark->observations;
-      landmark->last_seen = keyframe.id;
+    const auto match = associate(feature, landmarks.near(in_world, options_.association.max_angle), world_from_camera,
+                                 rotation_covariance, options_.association);
+    const double sign = match ? match->sign : 1.0;
+    DirectionLandmark& landmark =
+        match ? landmarks.change(match->landmark) : landmarks.make(feature.kind, in_world, covariance, keyframe.id);
+    if (match) {
+      fuse_direction(landmark, sign * in_world, covariance, options_.min_landmark_sigma);
+      landmark.kind = fused_kind(landmark.kind);
+      if (landmark.last_seen != keyframe.id) ++landmark.observations;
+      landmark.last_seen = keyframe.id;
     }
-    update.observations.push_back({keyframe.id, landmark->id, sign * feature.direction, feature.covariance});
+    update.observations.push_back({keyframe.id, landmark.id, sign * feature.direction, feature.covariance});
   }
-  for (DirectionLandmark& landmark : landmarks) {
-    if (landmark.last_seen != keyframe.id) continue;
-    // As messages and journals carry it, to the last bit: a builder that starts from them goes on in the same way.
-    landmark.covariance = Eigen::Matrix3d(landmark.covariance.selfadjointView<Eigen::Upper>());
-    update.landmarks.push_back(landmark);
-  }
+  update.landmarks = landmarks.take();
 }
 
 void GraphBuilder::remove_stale_potentials(const Keyframe& keyframe, GraphUpdate& update) const {
-  for (const DirectionLandmark& landmark : graph().landmarks()) {
+  for (const LandmarkId id : graph().potential_directions()) {
     const bool promoted = std::any_of(update.landmarks.begin(), update.landmarks.end(),
-                                      [&](const DirectionLandmark& changed) { return changed.id == landmark.id; });
-    if (landmark.kind == DirectionKind::potential_direction && !promoted &&
-        keyframe.id.value - landmark.last_seen.value >= options_.potential_lifetime) {
-      update.removed.push_back(landmark.id);
-    }
+                                      [id](const DirectionLandmark& changed) { return changed.id == id; });
+    const std::int32_t unseen = keyframe.id.value - graph().find_landmark(id)->last_seen.value;
+    if (!promoted && unseen >= options_.potential_lifetime) update.removed.push_back(id);
   }
 }
 
-void GraphBuilder::connect(GraphUpdate& update) const {
-  std::vector<LandmarkId> seen_before;
-  for (const DirectionLandmark& landmark : update.landmarks) {
-    if (landmark.first_seen != update.keyframe.id) seen_before.push_back(landmark.id);
+void GraphBuilder::optimize(GraphUpdate& update) {
+  GraphCorrections corrections = optimize_graph(graph(), options_.optimizer);
+  state_.graph.refine(corrections.keyframes, corrections.landmarks);
+  update.corrections = std::move(corrections.keyframes);
+  for (DirectionLandmark& moved : corrections.landmarks) {
+    const auto changed = std::find_if(update.landmarks.begin(), update.landmarks.end(),
+                                      [&](const DirectionLandmark& landmark) { return landmark.id == moved.id; });
+    if (changed != update.landmarks.end()) {
+      *changed = std::move(moved);
+    } else {
+      update.landmarks.push_back(std::move(moved));
+    }
   }
-  for (Edge& edge : update.edges = graph().sharing_keyframes(seen_before)) edge.second = update.keyframe.id;
 }
 
 }  // namespace eg::egraph

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <cstdint>
 #include <deque>
 #include <utility>
 
 #include "common/base/result.hpp"
 #include "common/egraph/association.hpp"
 #include "common/egraph/graph.hpp"
+#include "common/egraph/graph_optimizer.hpp"
 #include "common/egraph/types.hpp"
 
 namespace eg::egraph {
@@ -15,6 +15,7 @@ struct GraphBuilderOptions {
   AssociationOptions association;
   int potential_lifetime = 10;         ///< keyframes after which a potential direction without a partner is removed
   double min_landmark_sigma = 0.0009;  ///< radians (0.05°): real walls and edges are not parallel to better than this
+  GraphOptimizerOptions optimizer;
 };
 
 /// Updates that are kept to be sent again: a tracker waits for the latest, and who lacks more gets a snapshot.
@@ -32,12 +33,12 @@ enum class Arrival {
 struct BuilderState {
   Graph graph;
   std::deque<GraphUpdate> recent;  ///< the latest updates, at most kRecentUpdates
-  std::int32_t next_landmark = 0;  ///< greater than any id that was ever given
 
   /// Applies an update to the graph and remembers it.
   base::Status apply(const GraphUpdate& update);
   /// Takes a whole graph in the place of everything.
   base::Status reset(const GraphSnapshot& snapshot);
+  void remember(const GraphUpdate& update);
 };
 
 /// The authority on the graph: turns keyframes into updates (paper, section 4.2).
@@ -48,8 +49,9 @@ class GraphBuilder {
 
   [[nodiscard]] Arrival arrival_of(const Keyframe& keyframe) const;
 
-  /// Initialisation, association, fusion, promotion, removal and edges for one keyframe, applied to graph(). Keyframes
-  /// come in the order of their ids: one that was added lately gives its first answer again, any other one is refused.
+  /// Initialisation, association, fusion, promotion and removal for one keyframe, applied to graph(), and now and then
+  /// an optimisation of the graph. Keyframes come in the order of their ids: one that was added lately gives its first
+  /// answer again, any other one is refused.
   base::Result<GraphUpdate> add_keyframe(const Keyframe& keyframe);
 
   [[nodiscard]] const Graph& graph() const { return state_.graph; }
@@ -60,7 +62,7 @@ class GraphBuilder {
  private:
   void fuse(const Keyframe& keyframe, GraphUpdate& update) const;
   void remove_stale_potentials(const Keyframe& keyframe, GraphUpdate& update) const;
-  void connect(GraphUpdate& update) const;
+  void optimize(GraphUpdate& update);
 
   GraphBuilderOptions options_;
   BuilderState state_;

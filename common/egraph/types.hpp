@@ -22,6 +22,21 @@ struct Covisibility {
   std::int32_t shared_features = 0;
 };
 
+/// Where one keyframe stands as seen from another, measured from the map features that both saw: a covisibility edge
+/// with what it says about the poses.
+struct RelativePose {
+  KeyframeId first;
+  KeyframeId second;
+  geometry::Pose first_from_second;
+  Matrix6d covariance = Matrix6d::Zero();  ///< of (rotation, translation), frame `first`, left perturbation; rad, m
+};
+
+/// The new pose of a keyframe that has been announced before.
+struct CorrectedPose {
+  KeyframeId keyframe;
+  geometry::Pose world_from_camera;
+};
+
 /// A keyframe as the tracker announces it: a node of N_c with what it observed.
 struct Keyframe {
   image::FrameHeader header;
@@ -32,6 +47,8 @@ struct Keyframe {
   std::vector<double>
       plane_distances;  ///< one per direction: the plane's distance in the camera frame, NaN if no plane
   std::vector<Covisibility> covisible;
+  std::vector<RelativePose> relative_poses;  ///< new, or measured better than before
+  std::vector<CorrectedPose> moved;  ///< older keyframes that the tracker has moved since it announced the last one
 };
 
 /// A node of N_lm: a scene direction fused from many views (paper, section 4.1), in the world frame.
@@ -78,23 +95,34 @@ struct GraphUpdate {
   std::vector<DirectionLandmark> landmarks;  ///< new or changed, whole
   std::vector<LandmarkId> removed;           ///< potential directions that found no partner
   std::vector<Observation> observations;     ///< of `keyframe`
-  std::vector<Edge> edges;                   ///< new
   std::vector<Covisibility> covisible;       ///< of `keyframe`
+  std::vector<RelativePose> relative_poses;  ///< new, or measured better than before
+  std::vector<CorrectedPose> moved;          ///< by the tracker: as `keyframe` was announced
+  std::vector<CorrectedPose> corrections;    ///< by the optimisation of the graph, after that
 };
 
-/// The whole graph at a version: for late joiners, for disk, for receivers that missed an update.
+/// The whole graph at a version, or a part of it (common/egraph/snapshot_parts.hpp): for late joiners, for disk, for
+/// receivers that missed an update. Edges are not in it: they follow from the observations.
 struct GraphSnapshot {
   std::int64_t session = 0;
   std::int64_t version = 0;
+  std::int32_t part = 0;
+  std::int32_t parts = 1;
+  LandmarkId next_landmark{0};  ///< what the next one will be called: ids are never reused
   std::vector<KeyframeNode> keyframes;
   std::vector<DirectionLandmark> landmarks;
   std::vector<Observation> observations;
-  std::vector<Edge> edges;
   struct CovisibilityEdge {
     KeyframeId first, second;
     std::int32_t shared_features = 0;
   };
   std::vector<CovisibilityEdge> covisibility;
+  std::vector<RelativePose> relative_poses;
+};
+
+/// A graph with its edges written out, for files and pictures.
+struct GraphWithEdges : GraphSnapshot {
+  std::vector<Edge> edges;
 };
 
 }  // namespace eg::egraph

@@ -40,6 +40,10 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
+Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+}
+
 Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
   Eigen::Index smallest = 0;
   direction.cwiseAbs().minCoeff(&smallest);

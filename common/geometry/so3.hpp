@@ -19,6 +19,9 @@ double rotation_angle_between(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b
 /// The rotation nearest to `matrix` in the Frobenius norm.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 
+/// The smallest rotation that takes unit vector `from` to unit vector `to`.
+Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 /// Two unit vectors (columns) that complete the unit vector `direction` to a right-handed orthonormal basis.
 Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction);
 

@@ -18,14 +18,15 @@ namespace eg::io {
 ///    "covisibility": [{first, second, shared_features}]}
 /// `kind` is "plane", "vanishing_direction" or "potential_direction"; poses are camera to world; metres, seconds,
 /// radians squared; covariances are upper triangles, row by row; `sigma_deg` is what `covariance` says, for people.
-/// Equal graphs give equal bytes: session and version numbers of the running system are left out.
-std::string format_graph(const egraph::GraphSnapshot& graph);
+/// Equal graphs give equal bytes: session and version numbers of the running system and the relative poses
+/// are left out.
+std::string format_graph(const egraph::GraphWithEdges& graph);
 
 /// Errors name the field, e.g. "landmarks[3].direction: must be 3 numbers"; references to nodes that do not exist,
 /// repeated ids, directions and quaternions that are not unit are refused.
-base::Result<egraph::GraphSnapshot> parse_graph(std::string_view json);
+base::Result<egraph::GraphWithEdges> parse_graph(std::string_view json);
 
-base::Status write_graph(const std::filesystem::path& path, const egraph::GraphSnapshot& graph);
-base::Result<egraph::GraphSnapshot> read_graph(const std::filesystem::path& path);
+base::Status write_graph(const std::filesystem::path& path, const egraph::GraphWithEdges& graph);
+base::Result<egraph::GraphWithEdges> read_graph(const std::filesystem::path& path);
 
 }  // namespace eg::io

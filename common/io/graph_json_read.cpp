@@ -13,7 +13,6 @@ namespace eg::io {
 namespace {
 
 using Json = nlohmann::json;
-using egraph::GraphSnapshot;
 
 constexpr double kUnitTolerance = 1e-6;
 
@@ -120,7 +119,7 @@ Id new_id(const Field& field, std::set<Id>& known) {
 
 class GraphReader {
  public:
-  GraphSnapshot read(const Field& root) {
+  egraph::GraphWithEdges read(const Field& root) {
     if (root.at("version").integer<int>() != kGraphJsonVersion) root.at("version").refuse("must be 1");
     for (const Field& item : root.at("keyframes").items()) graph_.keyframes.push_back(keyframe(item));
     for (const Field& item : root.at("landmarks").items()) graph_.landmarks.push_back(landmark(item));
@@ -169,14 +168,14 @@ class GraphReader {
     return result;
   }
 
-  GraphSnapshot graph_;
+  egraph::GraphWithEdges graph_;
   std::set<egraph::KeyframeId> keyframes_;
   std::set<egraph::LandmarkId> landmarks_;
 };
 
 }  // namespace
 
-base::Result<GraphSnapshot> parse_graph(std::string_view json) {
+base::Result<egraph::GraphWithEdges> parse_graph(std::string_view json) {
   const Json root = Json::parse(json, nullptr, false);
   if (root.is_discarded()) return base::fail("is no valid JSON");
   try {
@@ -186,7 +185,7 @@ base::Result<GraphSnapshot> parse_graph(std::string_view json) {
   }
 }
 
-base::Result<GraphSnapshot> read_graph(const std::filesystem::path& path) {
+base::Result<egraph::GraphWithEdges> read_graph(const std::filesystem::path& path) {
   const auto json = read_file(path);
   if (!json) return tl::make_unexpected(json.error());
   auto graph = parse_graph(*json);

@@ -83,13 +83,13 @@ std::string section(const char* name, const std::vector<T>& items) {
 
 }  // namespace
 
-std::string format_graph(const egraph::GraphSnapshot& graph) {
+std::string format_graph(const egraph::GraphWithEdges& graph) {
   return "{\"version\": " + std::to_string(kGraphJsonVersion) + section("keyframes", graph.keyframes) +
          section("landmarks", graph.landmarks) + section("observations", graph.observations) +
          section("edges", graph.edges) + section("covisibility", graph.covisibility) + "}\n";
 }
 
-base::Status write_graph(const std::filesystem::path& path, const egraph::GraphSnapshot& graph) {
+base::Status write_graph(const std::filesystem::path& path, const egraph::GraphWithEdges& graph) {
   return write_file_atomically(path, format_graph(graph));
 }
 

@@ -33,18 +33,14 @@ template <typename Graph, typename Wire>
 static void write_lists(const Graph& graph, Wire& wire) {
   write_list(graph.landmarks, wire.num_landmarks, wire.landmarks, write);
   write_list(graph.observations, wire.num_observations, wire.observations, write);
-  WireEdges edges = write(graph.edges);
-  wire.num_edges = static_cast<std::int32_t>(edges.edges.size());
-  wire.num_shared_landmarks = static_cast<std::int32_t>(edges.shared_landmarks.size());
-  wire.edges = std::move(edges.edges);
-  wire.shared_landmarks = std::move(edges.shared_landmarks);
+  write_list(graph.relative_poses, wire.num_relative_poses, wire.relative_poses, write);
 }
 
 template <typename Wire, typename Graph>
 static void read_lists(const Wire& wire, const Path& path, Checker& check, Graph& graph) {
   graph.landmarks = read_list<egraph::DirectionLandmark>(wire.landmarks, "landmarks", path, check, read);
   graph.observations = read_list<egraph::Observation>(wire.observations, "observations", path, check, read);
-  graph.edges = read_edges(wire.edges, wire.shared_landmarks, path, check);
+  graph.relative_poses = read_list<egraph::RelativePose>(wire.relative_poses, "relative_poses", path, check, read);
 }
 
 static base::Result<GraphUpdate> decode_update(ByteView bytes) {
@@ -53,9 +49,10 @@ static base::Result<GraphUpdate> decode_update(ByteView bytes) {
       {{"num_landmarks", kMaxGraphNodes, wire_size<egraph_msgs::landmark_t>()},
        {"num_removed", kMaxGraphNodes, sizeof(std::int32_t)},
        {"num_observations", kMaxGraphEdges, wire_size<egraph_msgs::observation_t>()},
-       {"num_edges", kMaxGraphEdges, wire_size<egraph_msgs::edge_t>()},
-       {"num_shared_landmarks", kMaxSharedLandmarks, sizeof(std::int32_t)},
-       {"num_covisible", kMaxGraphNodes, wire_size<egraph_msgs::covisibility_t>()}},
+       {"num_covisible", kMaxGraphNodes, wire_size<egraph_msgs::covisibility_t>()},
+       {"num_relative_poses", kMaxGraphEdges, wire_size<egraph_msgs::relative_pose_t>()},
+       {"num_moved", kMaxGraphNodes, wire_size<egraph_msgs::corrected_pose_t>()},
+       {"num_corrections", kMaxGraphNodes, wire_size<egraph_msgs::corrected_pose_t>()}},
       {});
   if (!wire) return tl::make_unexpected(wire.error());
   const Path path;
@@ -71,6 +68,8 @@ static base::Result<GraphUpdate> decode_update(ByteView bytes) {
   }
   read_lists(*wire, path, check, update);
   update.covisible = read_list<egraph::Covisibility>(wire->covisible, "covisible", path, check, read);
+  update.moved = read_list<egraph::CorrectedPose>(wire->moved, "moved", path, check, read);
+  update.corrections = read_list<egraph::CorrectedPose>(wire->corrections, "corrections", path, check, read);
   return checked(std::move(update), check);
 }
 
@@ -80,9 +79,8 @@ static base::Result<GraphSnapshot> decode_snapshot(ByteView bytes) {
       {{"num_keyframes", kMaxGraphNodes, wire_size<egraph_msgs::keyframe_node_t>()},
        {"num_landmarks", kMaxGraphNodes, wire_size<egraph_msgs::landmark_t>()},
        {"num_observations", kMaxGraphEdges, wire_size<egraph_msgs::observation_t>()},
-       {"num_edges", kMaxGraphEdges, wire_size<egraph_msgs::edge_t>()},
-       {"num_shared_landmarks", kMaxSharedLandmarks, sizeof(std::int32_t)},
-       {"num_covisibility", kMaxGraphEdges, wire_size<egraph_msgs::covisibility_edge_t>()}},
+       {"num_covisibility", kMaxGraphEdges, wire_size<egraph_msgs::covisibility_edge_t>()},
+       {"num_relative_poses", kMaxGraphEdges, wire_size<egraph_msgs::relative_pose_t>()}},
       {});
   if (!wire) return tl::make_unexpected(wire.error());
   const Path path;
@@ -90,6 +88,11 @@ static base::Result<GraphSnapshot> decode_snapshot(ByteView bytes) {
   GraphSnapshot snapshot;
   snapshot.session = wire->session;
   snapshot.version = read_counter(wire->version, path("version"), check);
+  check.in_range(path("parts"), wire->parts, 1, kMaxSnapshotParts);
+  check.in_range(path("part"), wire->part, 0, wire->parts - 1);
+  snapshot.part = wire->part;
+  snapshot.parts = wire->parts;
+  snapshot.next_landmark = read_id<egraph::LandmarkId>(wire->next_landmark, path("next_landmark"), check);
   snapshot.keyframes = read_list<egraph::KeyframeNode>(wire->keyframes, "keyframes", path, check, read);
   read_lists(*wire, path, check, snapshot);
   snapshot.covisibility = read_list<CovisibilityEdge>(wire->covisibility, "covisibility", path, check, read);
@@ -106,6 +109,8 @@ Bytes encode(const GraphUpdate& update) {
   wire.num_removed = static_cast<std::int32_t>(wire.removed.size());
   write_lists(update, wire);
   write_list(update.covisible, wire.num_covisible, wire.covisible, write);
+  write_list(update.moved, wire.num_moved, wire.moved, write);
+  write_list(update.corrections, wire.num_corrections, wire.corrections, write);
   return encode_wire(wire);
 }
 
@@ -113,6 +118,9 @@ Bytes encode(const GraphSnapshot& snapshot) {
   egraph_msgs::graph_snapshot_t wire{};
   wire.session = snapshot.session;
   wire.version = snapshot.version;
+  wire.part = snapshot.part;
+  wire.parts = snapshot.parts;
+  wire.next_landmark = snapshot.next_landmark.value;
   write_list(snapshot.keyframes, wire.num_keyframes, wire.keyframes, write);
   write_lists(snapshot, wire);
   write_list(snapshot.covisibility, wire.num_covisibility, wire.covisibility, write);

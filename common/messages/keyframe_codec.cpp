@@ -7,6 +7,7 @@
 #include "common/messages/wire.hpp"
 #include "common/messages/wire_direction.hpp"
 #include "common/messages/wire_geometry.hpp"
+#include "common/messages/wire_graph.hpp"
 
 namespace eg::messages {
 namespace {
@@ -27,7 +28,9 @@ base::Result<Keyframe> decode_keyframe(ByteView bytes) {
   const auto wire = decode_wire<egraph_msgs::keyframe_t>(
       bytes,
       {{"num_directions", features::kMaxDirections, direction_and_distance},
-       {"num_covisible", kMaxGraphNodes, wire_size<egraph_msgs::covisibility_t>()}},
+       {"num_covisible", kMaxGraphNodes, wire_size<egraph_msgs::covisibility_t>()},
+       {"num_relative_poses", kMaxRelativePoses, wire_size<egraph_msgs::relative_pose_t>()},
+       {"num_moved", kMaxGraphNodes, wire_size<egraph_msgs::corrected_pose_t>()}},
       {});
   if (!wire) return tl::make_unexpected(wire.error());
   const Path path;
@@ -40,6 +43,8 @@ base::Result<Keyframe> decode_keyframe(ByteView bytes) {
   keyframe.directions = read_list<features::DirectionFeature>(wire->directions, "directions", path, check, read);
   keyframe.plane_distances = wire->plane_distances;
   keyframe.covisible = read_list<egraph::Covisibility>(wire->covisible, "covisible", path, check, read);
+  keyframe.relative_poses = read_list<egraph::RelativePose>(wire->relative_poses, "relative_poses", path, check, read);
+  keyframe.moved = read_list<egraph::CorrectedPose>(wire->moved, "moved", path, check, read);
   check_plane_distances(keyframe, path, check);
   return checked(std::move(keyframe), check);
 }
@@ -56,6 +61,8 @@ Bytes encode(const Keyframe& keyframe) {
   write_list(keyframe.directions, wire.num_directions, wire.directions, write);
   wire.plane_distances = keyframe.plane_distances;
   write_list(keyframe.covisible, wire.num_covisible, wire.covisible, write);
+  write_list(keyframe.relative_poses, wire.num_relative_poses, wire.relative_poses, write);
+  write_list(keyframe.moved, wire.num_moved, wire.moved, write);
   return encode_wire(wire);
 }
 

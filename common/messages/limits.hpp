@@ -14,10 +14,11 @@ inline constexpr std::size_t kMaxText = 200;  ///< characters of reasons and oth
 inline constexpr int kMaxImagePixels = 1 << 24;
 inline constexpr int kMaxImageBytes = 1 << 24;  ///< of one compressed image
 
-inline constexpr int kMaxGraphNodes = 100'000;          ///< keyframes or landmarks
-inline constexpr int kMaxGraphEdges = 1'000'000;        ///< edges or observations
-inline constexpr int kMaxSharedLandmarks = 10'000'000;  ///< of all edges together
-inline constexpr int kMaxMeshVertices = 65'535;         ///< their indices have 16 bits
+inline constexpr int kMaxGraphNodes = 100'000;    ///< keyframes or landmarks
+inline constexpr int kMaxGraphEdges = 1'000'000;  ///< observations, covisibility edges or relative poses
+inline constexpr int kMaxRelativePoses = 1000;    ///< of one keyframe
+inline constexpr int kMaxSnapshotParts = 100'000;
+inline constexpr int kMaxMeshVertices = 65'535;  ///< their indices have 16 bits
 inline constexpr int kMaxMeshTriangles = 1'000'000;
 inline constexpr int kMaxPyramidLevel = 63;
 inline constexpr int kMaxResendNumbers = 64;       ///< messages asked for at once

@@ -6,6 +6,7 @@
 #include "common/messages/list.hpp"
 #include "common/messages/wire.hpp"
 #include "common/messages/wire_geometry.hpp"
+#include "common/messages/wire_graph.hpp"
 
 namespace eg::messages {
 using egraph::KeyframeId;
@@ -32,18 +33,6 @@ static base::Result<PoseEstimate> decode_estimate(ByteView bytes) {
   pose.matched_directions = read_count(wire->matched_directions, path("matched_directions"), check);
   pose.corrections = read_counter(wire->corrections, path("corrections"), check);
   return checked(std::move(pose), check);
-}
-
-static egraph_msgs::corrected_pose_t write(const PoseCorrection::Entry& entry) {
-  egraph_msgs::corrected_pose_t wire{};
-  wire.keyframe = entry.keyframe.value;
-  wire.world_from_camera = write(entry.world_from_camera);
-  return wire;
-}
-
-static PoseCorrection::Entry read(const egraph_msgs::corrected_pose_t& wire, const Path& path, Checker& check) {
-  return {read_id<KeyframeId>(wire.keyframe, path("keyframe"), check),
-          read(wire.world_from_camera, path("world_from_camera"), check)};
 }
 
 static base::Result<PoseCorrection> decode_correction(ByteView bytes) {

@@ -71,41 +71,35 @@ egraph::Observation read(const egraph_msgs::observation_t& wire, const Path& pat
   return observation;
 }
 
-WireEdges write(const std::vector<egraph::Edge>& edges) {
-  WireEdges wire;
-  wire.edges.reserve(edges.size());
-  for (const egraph::Edge& edge : edges) {
-    egraph_msgs::edge_t item{};
-    item.first = edge.first.value;
-    item.second = edge.second.value;
-    item.num_shared = static_cast<std::int32_t>(edge.shared.size());
-    wire.edges.push_back(item);
-    for (const LandmarkId landmark : edge.shared) wire.shared_landmarks.push_back(landmark.value);
-  }
+egraph_msgs::relative_pose_t write(const egraph::RelativePose& relative) {
+  egraph_msgs::relative_pose_t wire{};
+  wire.first = relative.first.value;
+  wire.second = relative.second.value;
+  wire.first_from_second = write(relative.first_from_second);
+  write_symmetric(relative.covariance, wire.covariance);
   return wire;
 }
 
-std::vector<egraph::Edge> read_edges(const std::vector<egraph_msgs::edge_t>& edges,
-                                     const std::vector<std::int32_t>& shared_landmarks, const Path& path,
-                                     Checker& check) {
-  std::vector<egraph::Edge> result;
-  result.reserve(edges.size());
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const Path at = path("edges", i);
-    egraph::Edge edge{read_id<KeyframeId>(edges[i].first, at("first"), check),
-                      read_id<KeyframeId>(edges[i].second, at("second"), check),
-                      {}};
-    check.require(edge.first != edge.second, at("second"), "is the same keyframe as the first");
-    check.in_range(at("num_shared"), edges[i].num_shared, 0, static_cast<std::int64_t>(shared_landmarks.size() - next));
-    if (!check.ok()) return {};
-    for (const std::size_t end = next + static_cast<std::size_t>(edges[i].num_shared); next < end; ++next) {
-      edge.shared.push_back(read_id<LandmarkId>(shared_landmarks[next], path("shared_landmarks", next), check));
-    }
-    result.push_back(std::move(edge));
-  }
-  check.require(next == shared_landmarks.size(), path("num_shared_landmarks"), "is not the sum of the edges' lists");
-  return result;
+egraph::RelativePose read(const egraph_msgs::relative_pose_t& wire, const Path& path, Checker& check) {
+  egraph::RelativePose relative;
+  relative.first = read_id<KeyframeId>(wire.first, path("first"), check);
+  relative.second = read_id<KeyframeId>(wire.second, path("second"), check);
+  check.require(relative.first != relative.second, path("second"), "is the same keyframe as the first");
+  relative.first_from_second = read(wire.first_from_second, path("first_from_second"), check);
+  relative.covariance = read_covariance<6>(wire.covariance, path("covariance"), check);
+  return relative;
+}
+
+egraph_msgs::corrected_pose_t write(const egraph::CorrectedPose& corrected) {
+  egraph_msgs::corrected_pose_t wire{};
+  wire.keyframe = corrected.keyframe.value;
+  wire.world_from_camera = write(corrected.world_from_camera);
+  return wire;
+}
+
+egraph::CorrectedPose read(const egraph_msgs::corrected_pose_t& wire, const Path& path, Checker& check) {
+  return {read_id<KeyframeId>(wire.keyframe, path("keyframe"), check),
+          read(wire.world_from_camera, path("world_from_camera"), check)};
 }
 
 }  // namespace eg::messages

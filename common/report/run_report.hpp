@@ -41,7 +41,7 @@ struct RunResults {
   std::vector<geometry::StampedPose> estimate;
   std::vector<geometry::StampedPose> truth;  ///< in its own frame
   std::vector<StateSample> states;
-  egraph::GraphSnapshot graph;
+  egraph::GraphWithEdges graph;
   std::vector<Picture> mesh_views;
   std::vector<ServiceSummary> services;
   std::string settings;      ///< the configuration, as text

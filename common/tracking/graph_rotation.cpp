@@ -24,19 +24,15 @@ class Solver {
  public:
   Solver(std::span<const features::DirectionFeature> directions, const egraph::Graph& graph,
          const GraphRotationOptions& options)
-      : directions_(directions), graph_(graph), options_(options) {
-    // A potential direction of the graph was seen once and may be any edge.
-    std::copy_if(graph.landmarks().begin(), graph.landmarks().end(), std::back_inserter(confirmed_),
-                 [](const auto& landmark) { return landmark.kind != DirectionKind::potential_direction; });
-  }
+      : directions_(directions), graph_(graph), options_(options) {}
 
   [[nodiscard]] std::vector<Association> associate(const Belief& belief) const {
-    return egraph::associate(directions_, confirmed_, belief.camera_from_world.transpose(), belief.covariance,
+    return egraph::associate(directions_, graph_, belief.camera_from_world.transpose(), belief.covariance,
                              options_.association);
   }
 
   [[nodiscard]] std::vector<Association> candidates(const Belief& belief) const {
-    return egraph::candidates(directions_, confirmed_, belief.camera_from_world.transpose(), belief.covariance,
+    return egraph::candidates(directions_, graph_, belief.camera_from_world.transpose(), belief.covariance,
                               options_.association);
   }
 
@@ -93,7 +89,6 @@ class Solver {
   std::span<const features::DirectionFeature> directions_;
   const egraph::Graph& graph_;
   const GraphRotationOptions& options_;
-  std::vector<DirectionLandmark> confirmed_;
 };
 
 }  // namespace

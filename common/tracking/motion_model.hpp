@@ -36,6 +36,8 @@ class MotionModel {
 
   /// Puts the last pose elsewhere (the map was corrected under it) and keeps the velocity.
   void correct(const geometry::Pose& camera_from_world) { camera_from_world_ = camera_from_world; }
+  /// The same for a map that moved by `motion`, in the world.
+  void correct_by(const geometry::Pose& motion) { camera_from_world_ = camera_from_world_ * motion.inverse(); }
 
   /// Forgets the velocity (first frame, relocalisation).
   void reset(std::int64_t utime, const geometry::Pose& camera_from_world);

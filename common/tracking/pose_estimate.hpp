@@ -39,10 +39,7 @@ struct PoseEstimate {
 struct PoseCorrection {
   std::int64_t session = 0;
   std::int64_t version = 0;
-  struct Entry {
-    egraph::KeyframeId keyframe;
-    geometry::Pose world_from_camera;
-  };
+  using Entry = egraph::CorrectedPose;
   std::vector<Entry> entries;
   std::int64_t since = 0;  ///< less than `version`; 0: it holds every keyframe that was ever moved
 };

@@ -306,6 +306,8 @@ void Tracker::add_keyframe(Frame& frame, TrackResult& result) {
   }
   result.keyframe = announcement(frame.features, estimate);
   result.keyframe->covisible = map_.covisible(estimate.keyframe);
+  keyframe_covariances_.push_back(estimate.covariance);
+  report_moved_keyframes(*result.keyframe);
 }
 
 std::vector<PoseCorrection::Entry> Tracker::adjust_local_map() {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "common/tracking/graph_rotation.hpp"
 #include "common/tracking/keyframe_policy.hpp"
 #include "common/tracking/map.hpp"
+#include "common/tracking/map_correction.hpp"
 #include "common/tracking/matcher.hpp"
 #include "common/tracking/motion_model.hpp"
 #include "common/tracking/observability.hpp"
@@ -57,8 +59,11 @@ class Tracker {
 
   TrackResult track(const features::FrameFeatures& frame);
 
-  /// The replica of the E-Graph. The caller keeps it up to date.
-  egraph::Graph& graph() { return graph_; }
+  /// Brings the replica of the E-Graph up to date. If the server has refined the graph, the map follows; returns the
+  /// keyframes that moved. Refuses what does not lead on from the replica (a gap: ask for a snapshot).
+  base::Result<std::vector<egraph::CorrectedPose>> follow(const egraph::GraphUpdate& update);
+  base::Result<std::vector<egraph::CorrectedPose>> follow(const egraph::GraphSnapshot& snapshot);
+
   [[nodiscard]] const egraph::Graph& graph() const { return graph_; }
   [[nodiscard]] const Map& map() const { return map_; }
 
@@ -88,13 +93,17 @@ class Tracker {
   void add_keyframe(Frame& frame, TrackResult& result);
   /// Local bundle adjustment around the newest keyframe. Returns the other keyframes that moved.
   std::vector<PoseCorrection::Entry> adjust_local_map();
+  /// What the server has to know of older keyframes: where local bundle adjustment has put them.
+  void report_moved_keyframes(egraph::Keyframe& keyframe) const;
+  std::vector<egraph::CorrectedPose> correct_map(std::span<const KeyframeCorrection> corrections, KeyframeId newest);
 
   TrackerOptions options_;
   egraph::Graph graph_;
   Map map_;
   MotionModel motion_;
   KeyframePolicy policy_;
-  TrackingState state_ = TrackingState::initialising;  ///< after the last frame that was not refused
+  std::vector<egraph::Matrix6d> keyframe_covariances_;  ///< as measured against the map when each was made
+  TrackingState state_ = TrackingState::initialising;   ///< after the last frame that was not refused
   std::int64_t last_utime_ = -1;
   std::int64_t leap_utime_ = -1;           ///< of a refused frame that came from far ahead
   std::int64_t last_measured_utime_ = -1;  ///< when the rotation was last determined

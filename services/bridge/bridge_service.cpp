@@ -18,6 +18,7 @@ constexpr char kCloud[] = "MAP_CLOUD";
 
 constexpr std::size_t kMaxSessions = 64;
 constexpr std::size_t kMaxItems = 2000;     // of a message: 128 kB
+constexpr std::size_t kMaxObservers = 200;  // edges go to the oldest that saw a landmark: nobody tells more lines apart
 constexpr std::int64_t kRound = 3'000'000;  // microseconds
 constexpr int kPoseQueue = 2;               // the newest counts
 constexpr int kStateQueue = 100;            // what is lost is sent again
@@ -63,6 +64,8 @@ BridgeService::BridgeService(service::ServiceContext& context) : context_(contex
                                           [this](const auto& update) { on_update(update); });
   context_.subscribe<mapping::MeshChunk>(channels::kMeshChunk, kStateQueue,
                                          [this](const auto& chunk) { on_chunk(chunk); });
+  context_.subscribe<egraph::GraphSnapshot>(channels::kGraphSnapshot, kStateQueue,
+                                            [this](const auto& part) { on_snapshot(part); });
 }
 
 BridgeService::Session* BridgeService::session(std::int64_t number) {
@@ -102,12 +105,31 @@ void BridgeService::on_correction(const tracking::PoseCorrection& correction) {
 void BridgeService::on_update(const egraph::GraphUpdate& update) {
   Session* known = session(update.session);
   if (known == nullptr) return;
-  LinkCollection collection = edge_collection(update.session);
-  for (const egraph::Edge& edge : update.edges) {
-    if (!known->edges.emplace(edge.first.value, edge.second.value).second) continue;
+  if (!known->graph.apply(update)) {
+    context_.publish(messages::channels::kGraphRequest, messages::GraphRequest{update.session, known->graph.version()});
+    return;
+  }
+  const auto edges = known->graph.edges_to_older(update.keyframe.id, kMaxObservers);
+  const LinkCollection collection = add_edges(update.session, edges, *known);
+  if (!collection.links.empty()) context_.publish(kLinks, collection);
+}
+
+void BridgeService::on_snapshot(const egraph::GraphSnapshot& part) {
+  Session* known = session(part.session);
+  if (known == nullptr || part.version <= known->graph.version()) return;
+  const auto snapshot = known->snapshot.add(part);
+  if (!snapshot || !known->graph.reset(*snapshot)) return;
+  const LinkCollection collection = add_edges(part.session, known->graph.edges(kMaxObservers), *known);
+  if (!collection.links.empty()) context_.publish(kLinks, collection);
+}
+
+LinkCollection BridgeService::add_edges(std::int64_t number, std::span<const egraph::Edge> edges, Session& session) {
+  LinkCollection collection = edge_collection(number);
+  for (const egraph::Edge& edge : edges) {
+    if (!session.edges.emplace(edge.first.value, edge.second.value).second) continue;
     if (collection.links.size() < kMaxItems) collection.links.push_back(link(edge.first.value, edge.second.value));
   }
-  if (!collection.links.empty()) context_.publish(kLinks, collection);
+  return collection;
 }
 
 void BridgeService::on_chunk(const mapping::MeshChunk& chunk) {

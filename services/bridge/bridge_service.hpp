@@ -3,8 +3,11 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
+#include "common/egraph/graph.hpp"
+#include "common/egraph/snapshot_parts.hpp"
 #include "common/messages/bot.hpp"
 #include "common/service/correction_follower.hpp"
 #include "common/service/service.hpp"
@@ -27,8 +30,10 @@ class BridgeService : public service::Service {
  private:
   /// What is known of a recording or robot.
   struct Session {
-    std::map<std::int32_t, geometry::Pose> keyframes;       ///< by id, world_from_camera
-    std::map<std::int32_t, std::int64_t> versions;          ///< of the corrections that moved them
+    std::map<std::int32_t, geometry::Pose> keyframes;  ///< by id, world_from_camera
+    std::map<std::int32_t, std::int64_t> versions;     ///< of the corrections that moved them
+    egraph::Graph graph;                               ///< replica: its edges follow from what keyframes saw
+    egraph::SnapshotAssembler snapshot;
     std::set<std::pair<std::int32_t, std::int32_t>> edges;  ///< between keyframes
     service::CorrectionFollower corrections;                ///< which of them have come
     CloudMap cloud;
@@ -38,7 +43,11 @@ class BridgeService : public service::Service {
   void on_keyframe(const egraph::Keyframe& keyframe);
   void on_correction(const tracking::PoseCorrection& correction);
   void on_update(const egraph::GraphUpdate& update);
+  void on_snapshot(const egraph::GraphSnapshot& part);
   void on_chunk(const mapping::MeshChunk& chunk);
+  /// Remembers them; returns those that are new, as many as fit into a message.
+  static messages::bot::LinkCollection add_edges(std::int64_t number, std::span<const egraph::Edge> edges,
+                                                 Session& session);
   /// The session's record; null if there are too many already.
   Session* session(std::int64_t number);
   void send_all(std::int64_t number, const Session& session);

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -14,6 +15,14 @@ namespace {
 
 /// A bus without authentication must not make the server hold any number of graphs.
 constexpr std::size_t kMaxSessions = 64;
+
+/// Edges in egraph.json, roughly: all of them up to a thousand keyframes.
+constexpr std::size_t kMaxEdges = 500'000;
+
+egraph::GraphWithEdges file_of(const egraph::Graph& graph, std::int64_t session) {
+  const std::size_t keyframes = std::max<std::size_t>(graph.keyframes().size(), 1);
+  return {graph.snapshot(session), graph.edges(std::max<std::size_t>(2 * kMaxEdges / keyframes, 16))};
+}
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -29,7 +38,7 @@ EGraphServerService::EGraphServerService(service::ServiceContext& context, egrap
   context_.subscribe<messages::GraphRequest>(messages::channels::kGraphRequest, 30,
                                              [this](const messages::GraphRequest& request) { on_request(request); });
   context_.subscribe<egraph::GraphSnapshot>(messages::channels::kRestore, 0,
-                                            [this](const egraph::GraphSnapshot& snapshot) { on_restore(snapshot); });
+                                            [this](const egraph::GraphSnapshot& part) { on_restore(part); });
 }
 
 base::Result<EGraphServerService::Session*> EGraphServerService::open(std::int64_t id) {
@@ -37,7 +46,7 @@ base::Result<EGraphServerService::Session*> EGraphServerService::open(std::int64
   if (sessions_.size() >= kMaxSessions) {
     return base::fail("field 'session' is new and there are " + std::to_string(kMaxSessions) + " sessions already");
   }
-  Session session{egraph::GraphBuilder(options_), {}, false};
+  Session session{egraph::GraphBuilder(options_), {}, {}, false};
   if (!state_.empty()) {
     session.store.emplace(state_, id);
     auto stored = session.store->load();
@@ -61,14 +70,14 @@ void EGraphServerService::on_keyframe(const egraph::Keyframe& keyframe) {
   const egraph::Arrival arrival = builder.arrival_of(keyframe);
   const auto update = builder.add_keyframe(keyframe);
   if (update) {
-    const auto kept = (*session)->store ? (*session)->store->append(*update) : base::Status();
+    const auto kept = (*session)->store ? (*session)->store->append(*update, builder.graph()) : base::Status();
     if (!kept) {
       return context_.status().count_rejected("KEYFRAME: " + kept.error().message);  // it will come again
     }
     context_.publish(messages::channels::kGraphUpdate, *update);
     context_.status().count_frame(milliseconds_since(start));
   } else if (arrival == egraph::Arrival::repeated) {
-    context_.publish(messages::channels::kGraphSnapshot, builder.graph().snapshot(id));
+    publish_snapshot(id, builder.graph());
   } else {
     context_.status().count_rejected("KEYFRAME: " + update.error().message);
     if (arrival != egraph::Arrival::early) return;
@@ -86,7 +95,7 @@ void EGraphServerService::on_request(const messages::GraphRequest& request) {
   const std::deque<egraph::GraphUpdate>& recent = builder.recent_updates();
   const bool newcomer = request.have_version == 0;
   if (newcomer || recent.empty() || request.have_version < recent.front().base_version) {
-    context_.publish(messages::channels::kGraphSnapshot, builder.graph().snapshot(request.session));
+    publish_snapshot(request.session, builder.graph());
     return;
   }
   for (const egraph::GraphUpdate& update : recent) {
@@ -94,17 +103,25 @@ void EGraphServerService::on_request(const messages::GraphRequest& request) {
   }
 }
 
-void EGraphServerService::on_restore(const egraph::GraphSnapshot& snapshot) {
-  const auto found = sessions_.find(snapshot.session);
+void EGraphServerService::on_restore(const egraph::GraphSnapshot& part) {
+  const auto found = sessions_.find(part.session);
   if (found == sessions_.end()) return;
   Session& session = found->second;
-  if (!session.asked_to_restore || snapshot.version <= session.builder.graph().version()) return;
+  if (!session.asked_to_restore || part.version <= session.builder.graph().version()) return;
+  const auto snapshot = session.restore.add(part);
+  if (!snapshot) return;
   egraph::BuilderState state;
-  auto taken = state.reset(snapshot);
+  auto taken = state.reset(*snapshot);
   if (taken && session.store) taken = session.store->replace(state.graph);
   if (!taken) return context_.status().count_rejected("EGRAPH_RESTORE: " + taken.error().message);
   session.builder = egraph::GraphBuilder(options_, std::move(state));
   session.asked_to_restore = false;
+}
+
+void EGraphServerService::publish_snapshot(std::int64_t session, const egraph::Graph& graph) {
+  for (const egraph::GraphSnapshot& part : egraph::split(graph.snapshot(session))) {
+    context_.publish(messages::channels::kGraphSnapshot, part);
+  }
 }
 
 base::Status EGraphServerService::save() {
@@ -115,7 +132,7 @@ base::Status EGraphServerService::save() {
   }
   for (const auto& [id, session] : sessions_) {
     const std::string name = sessions_.size() == 1 ? "egraph.json" : "egraph-" + std::to_string(id) + ".json";
-    const auto written = io::write_graph(context_.options().out / name, session.builder.graph().snapshot(id));
+    const auto written = io::write_graph(context_.options().out / name, file_of(session.builder.graph(), id));
     if (!written) return written;
   }
   return {};

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/egraph/graph_builder.hpp"
+#include "common/egraph/snapshot_parts.hpp"
 #include "common/service/service.hpp"
 #include "services/egraph_server/graph_store.hpp"
 
@@ -29,15 +30,17 @@ class EGraphServerService : public service::Service {
   struct Session {
     egraph::GraphBuilder builder;
     std::optional<GraphStore> store;
+    egraph::SnapshotAssembler restore;
     bool asked_to_restore = false;  ///< what nobody asked for is not taken
   };
 
   void on_keyframe(const egraph::Keyframe& keyframe);
   void on_request(const messages::GraphRequest& request);
-  void on_restore(const egraph::GraphSnapshot& snapshot);
+  void on_restore(const egraph::GraphSnapshot& part);
   /// The session, read from the disk or new.
   base::Result<Session*> open(std::int64_t id);
   [[nodiscard]] bool is_kept(std::int64_t id) const;
+  void publish_snapshot(std::int64_t session, const egraph::Graph& graph);
 
   service::ServiceContext& context_;
   egraph::GraphBuilderOptions options_;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/egraph/snapshot_parts.hpp"
 #include "common/io/journal.hpp"
 
 namespace eg::services {
@@ -23,7 +24,7 @@ class Replay {
 
   base::Status add(const io::JournalRecord& record) {
     switch (static_cast<RecordKind>(record.kind)) {
-      case RecordKind::snapshot:
+      case RecordKind::snapshot_part:
         return take<egraph::GraphSnapshot>(record.bytes);
       case RecordKind::update:
         return take<egraph::GraphUpdate>(record.bytes);
@@ -40,11 +41,15 @@ class Replay {
     return base::fail("belongs to session " + std::to_string(message->session) + ", not " + std::to_string(session_));
   }
 
-  base::Status put(const egraph::GraphSnapshot& snapshot) { return result_.state.reset(snapshot); }
+  base::Status put(const egraph::GraphSnapshot& part) {
+    const auto whole = parts_.add(part);
+    return whole ? result_.state.reset(*whole) : base::Status();
+  }
   base::Status put(const egraph::GraphUpdate& update) { return result_.state.apply(update); }
 
   std::int64_t session_;
   ReplayedGraph& result_;
+  egraph::SnapshotAssembler parts_;
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace eg::services {
 
 /// The kinds of records in a graph's journal: messages as they are sent.
 enum class RecordKind : std::uint8_t {
-  snapshot = 0,
+  snapshot_part = 0,
   update = 1,
 };
 

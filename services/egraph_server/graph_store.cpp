@@ -5,7 +5,9 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "common/egraph/snapshot_parts.hpp"
 #include "common/io/text_file.hpp"
 #include "common/messages/codec.hpp"
 #include "services/egraph_server/graph_replay.hpp"
@@ -17,6 +19,10 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPrefix = "graph-";
 constexpr std::string_view kExtension = ".journal";
+
+/// Updates repeat landmarks: a journal that has grown to this multiple of its first length is rewritten as a snapshot.
+constexpr std::size_t kCompactionFactor = 4;
+constexpr std::size_t kMinCompactionBytes = std::size_t{16} << 20U;
 
 std::string_view text_of(const messages::Bytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -80,25 +86,33 @@ base::Result<StoredGraph> GraphStore::load() {
   if (!replayed->damage.empty()) stored.warning = put_aside(path_, replayed->damage);
   auto journal = io::Journal::open(path_, replayed->sound_bytes);
   if (!journal) return tl::make_unexpected(journal.error());
-  journal_ = std::move(*journal);
+  go_on_with(std::move(*journal));
   version_ = stored.state.graph.version();
   return stored;
 }
 
-base::Status GraphStore::append(const egraph::GraphUpdate& update) {
+base::Status GraphStore::append(const egraph::GraphUpdate& update, const egraph::Graph& graph) {
   if (update.version <= version_) return {};
-  if (update.base_version != version_) return about(path_, "an update before this one could not be written yet");
+  const bool follows = update.base_version == version_;
+  if (!journal_ && follows) {
+    if (const auto begun = begin({}); !begun) return begun;
+  }
+  if (!follows || journal_->size() > compact_at_) return replace(graph);
   const messages::Bytes bytes = messages::encode(update);
-  const io::JournalRecord record{static_cast<std::uint8_t>(RecordKind::update), text_of(bytes)};
-  if (const auto written = journal_ ? journal_->append(record) : begin({&record, 1}); !written) return written;
+  const auto written = journal_->append({static_cast<std::uint8_t>(RecordKind::update), text_of(bytes)});
+  if (!written) return written;
   version_ = update.version;
   return {};
 }
 
 base::Status GraphStore::replace(const egraph::Graph& graph) {
-  const messages::Bytes bytes = messages::encode(graph.snapshot(session_));
-  const io::JournalRecord record{static_cast<std::uint8_t>(RecordKind::snapshot), text_of(bytes)};
-  if (const auto written = begin({&record, 1}); !written) return written;
+  std::vector<messages::Bytes> parts;
+  std::vector<io::JournalRecord> records;
+  for (const egraph::GraphSnapshot& part : egraph::split(graph.snapshot(session_))) {
+    parts.push_back(messages::encode(part));
+    records.push_back({static_cast<std::uint8_t>(RecordKind::snapshot_part), text_of(parts.back())});
+  }
+  if (const auto written = begin(records); !written) return written;
   version_ = graph.version();
   return {};
 }
@@ -106,8 +120,13 @@ base::Status GraphStore::replace(const egraph::Graph& graph) {
 base::Status GraphStore::begin(std::span<const io::JournalRecord> records) {
   auto journal = io::Journal::create(path_, journal_schema(), records);
   if (!journal) return tl::make_unexpected(journal.error());
-  journal_ = std::move(*journal);
+  go_on_with(std::move(*journal));
   return {};
+}
+
+void GraphStore::go_on_with(io::Journal journal) {
+  journal_ = std::move(journal);
+  compact_at_ = std::max(kMinCompactionBytes, kCompactionFactor * journal_->size());
 }
 
 }  // namespace eg::services

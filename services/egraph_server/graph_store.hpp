@@ -19,7 +19,7 @@ struct StoredGraph {
   std::string warning;  ///< what was lost and where it was put aside; empty: nothing
 };
 
-/// One session's graph on disk, graph-<session>.journal: the updates, and at its beginning perhaps a snapshot, as the
+/// One session's graph on disk, graph-<session>.journal: a snapshot and the updates since, as the
 /// messages that carry them. Every update is on the disk before it is sent, so that a server that was killed comes back
 /// with everything it has ever answered.
 class GraphStore {
@@ -40,8 +40,9 @@ class GraphStore {
   /// another version, another session's, and one that contradicts itself.
   base::Result<StoredGraph> load();
 
-  /// Keeps an update that leads on from what is kept; one that is kept already is ignored.
-  base::Status append(const egraph::GraphUpdate& update);
+  /// Keeps an update and with it `graph`, which it has led to; one that is kept already is ignored. Now and then the
+  /// journal is rewritten as a snapshot, so that its length stays in proportion to the graph.
+  base::Status append(const egraph::GraphUpdate& update, const egraph::Graph& graph);
 
   /// Keeps a graph in the place of whatever is kept.
   base::Status replace(const egraph::Graph& graph);
@@ -49,11 +50,13 @@ class GraphStore {
  private:
   /// A new journal in the place of whatever is there.
   base::Status begin(std::span<const io::JournalRecord> records);
+  void go_on_with(io::Journal journal);
 
   std::filesystem::path path_;
   std::int64_t session_;
   std::optional<io::Journal> journal_;
-  std::int64_t version_ = 0;  ///< of the graph that is kept
+  std::int64_t version_ = 0;    ///< of the graph that is kept
+  std::size_t compact_at_ = 0;  ///< bytes of the journal
 };
 
 }  // namespace eg::services

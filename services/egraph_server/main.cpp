@@ -5,6 +5,8 @@
 #include "common/io/config.hpp"
 #include "services/egraph_server/egraph_server_service.hpp"
 
+using eg::egraph::Refinement;
+
 int main(int argc, char** argv) {
   eg::egraph::GraphBuilderOptions options;
   std::filesystem::path state;
@@ -15,7 +17,10 @@ int main(int argc, char** argv) {
     section.field("max_angle", options.association.max_angle, {0.001, 0.5}, "radians, th_vd of the paper")
         .field("max_chi2", options.association.max_chi2, {0.1, 1000.0}, "gate on the covariance-weighted difference")
         .field("potential_lifetime", options.potential_lifetime, {1, 10000}, "keyframes a single direction is kept")
-        .field("min_landmark_sigma", options.min_landmark_sigma, {0.0, 0.1}, "radians");
+        .field("min_landmark_sigma", options.min_landmark_sigma, {0.0, 0.1}, "radians")
+        .choice("refinement", options.optimizer.refine,
+                {{"none", Refinement::none}, {"rotations", Refinement::rotations}, {"poses", Refinement::poses}},
+                "what is optimised over the whole graph: nothing, rotations, or positions too");
   };
   program.add_options = [&state](CLI::App& app) {
     app.add_option("--state", state, "Folder that keeps the graphs, so that a restarted server goes on; else --out")

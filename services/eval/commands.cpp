@@ -36,7 +36,7 @@ struct Keyframes {
   std::vector<eval::GraphEdge> edges;
 };
 
-Keyframes keyframes_of(egraph::GraphSnapshot graph) {
+Keyframes keyframes_of(egraph::GraphWithEdges graph) {
   std::stable_sort(graph.keyframes.begin(), graph.keyframes.end(),
                    [](const auto& a, const auto& b) { return a.utime < b.utime; });
   Keyframes result;

@@ -23,7 +23,7 @@ base::Result<T> read_if_given(const fs::path& file, base::Result<T> (*read)(cons
 using Trajectory = std::vector<geometry::StampedPose>;
 base::Result<Trajectory> read_poses(const fs::path& file) { return io::read_trajectory(file); }
 
-std::vector<geometry::Pose> keyframe_poses(const egraph::GraphSnapshot& graph) {
+std::vector<geometry::Pose> keyframe_poses(const egraph::GraphWithEdges& graph) {
   std::vector<geometry::Pose> poses;
   for (const egraph::KeyframeNode& keyframe : graph.keyframes) poses.push_back(keyframe.world_from_camera);
   return poses;
@@ -39,7 +39,7 @@ struct GraphPicture {
   eval::PlottedGraph covisibility{"covisibility (15 shared features or more)", {}, {200, 90, 20}};
 };
 
-GraphPicture picture_of(const egraph::GraphSnapshot& graph) {
+GraphPicture picture_of(const egraph::GraphWithEdges& graph) {
   GraphPicture picture;
   std::map<egraph::KeyframeId, std::size_t> index_of;
   for (const egraph::KeyframeNode& keyframe : graph.keyframes) {
@@ -72,7 +72,7 @@ base::Result<Report> render_picture(const PictureFiles& files, bool y_up, const 
   if (!estimate) return tl::make_unexpected(estimate.error());
   const auto reference = read_if_given<Trajectory>(files.groundtruth, read_poses);
   if (!reference) return tl::make_unexpected(reference.error());
-  const auto graph = read_if_given<egraph::GraphSnapshot>(files.graph, io::read_graph);
+  const auto graph = read_if_given<egraph::GraphWithEdges>(files.graph, io::read_graph);
   if (!graph) return tl::make_unexpected(graph.error());
 
   const std::vector<geometry::Pose> keyframes = keyframe_poses(*graph);

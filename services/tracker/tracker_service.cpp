@@ -35,7 +35,7 @@ TrackerService::TrackerService(service::ServiceContext& context, tracking::Track
   context_.subscribe<egraph::GraphUpdate>(messages::channels::kGraphUpdate, 0,
                                           [this](const egraph::GraphUpdate& update) { on_graph_update(update); });
   context_.subscribe<egraph::GraphSnapshot>(
-      messages::channels::kGraphSnapshot, 2,
+      messages::channels::kGraphSnapshot, 0,
       [this](const egraph::GraphSnapshot& snapshot) { on_graph_snapshot(snapshot); });
   context_.subscribe<messages::GraphRequest>(
       messages::channels::kRestoreRequest, 2,
@@ -56,7 +56,9 @@ void TrackerService::on_features(const features::FrameFeatures& frame) {
     answer(known->second);
     return;
   }
-  if (frame.header.sequence < next_sequence_) return acknowledge(next_sequence_ - 1);  // of a source started anew
+  const std::int64_t first_unanswered = held_answer_ ? held_answer_->header.sequence : next_sequence_;
+  if (frame.header.sequence < first_unanswered) return acknowledge(first_unanswered - 1);  // of a source started anew
+  if (frame.header.sequence < next_sequence_) return;
   if (waiting_.size() >= kMaxWaiting) return;
   waiting_.emplace(frame.header.sequence, frame);
   track_waiting_frames();
@@ -64,39 +66,47 @@ void TrackerService::on_features(const features::FrameFeatures& frame) {
 
 void TrackerService::on_graph_update(const egraph::GraphUpdate& update) {
   if (update.session != session_) return;
-  if (!apply(update)) {
+  const auto news = apply(update);
+  if (!news) {
     context_.publish(messages::channels::kGraphRequest, messages::GraphRequest{session_, tracker_.graph().version()});
     return;
   }
   note(messages::channels::kGraphUpdate, update);
+  say(*news);
   track_waiting_frames();
 }
 
-base::Status TrackerService::apply(const egraph::GraphUpdate& update) {
-  auto applied = tracker_.graph().apply(update);
-  if (applied) forget_confirmed_keyframes();
-  return applied;
+void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& part) {
+  if (part.session != session_ || part.version <= tracker_.graph().version()) return;
+  const auto snapshot = snapshot_.add(part);
+  if (!snapshot) return;
+  const auto news = apply(*snapshot);
+  if (!news) return context_.status().count_rejected("EGRAPH: " + news.error().message);
+  note(messages::channels::kGraphSnapshot, *snapshot);
+  say(*news);
+  track_waiting_frames();
 }
 
-void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& snapshot) {
-  if (snapshot.session != session_ || snapshot.version <= tracker_.graph().version()) return;
-  if (const auto taken = apply(snapshot); !taken) {
-    context_.status().count_rejected("EGRAPH: " + taken.error().message);
-    return;
+template <typename News>
+base::Result<TrackerService::Answer> TrackerService::apply(const News& of_graph) {
+  auto corrected = tracker_.follow(of_graph);
+  if (!corrected) return tl::make_unexpected(corrected.error());
+  Answer news{{}, {}, corrections_.add(session_, std::move(*corrected))};
+  while (!unconfirmed_.empty() && tracker_.graph().find_keyframe(unconfirmed_.front().id) != nullptr) {
+    unconfirmed_.pop_front();
   }
-  note(messages::channels::kGraphSnapshot, snapshot);
-  track_waiting_frames();
-}
-
-base::Status TrackerService::apply(const egraph::GraphSnapshot& snapshot) {
-  auto taken = tracker_.graph().reset(snapshot);
-  if (taken) forget_confirmed_keyframes();
-  return taken;
+  if (held_answer_ && !waits_for_graph()) {
+    news.estimate = remember(*held_answer_);
+    held_answer_.reset();
+  }
+  return news;
 }
 
 void TrackerService::on_restore_request(const messages::GraphRequest& request) {
   if (request.session != session_ || request.have_version >= tracker_.graph().version()) return;
-  context_.publish(messages::channels::kRestore, tracker_.graph().snapshot(session_));
+  for (const egraph::GraphSnapshot& part : egraph::split(tracker_.graph().snapshot(session_))) {
+    context_.publish(messages::channels::kRestore, part);
+  }
 }
 
 void TrackerService::on_resend_request(const messages::ResendRequest& request) {
@@ -113,12 +123,6 @@ void TrackerService::on_resend_request(const messages::ResendRequest& request) {
 
 void TrackerService::on_end_of_stream(const messages::EndOfStream& end) {
   if (end.session == session_) record_.set_end(end.frame_count, end.skipped_utimes);
-}
-
-void TrackerService::forget_confirmed_keyframes() {
-  while (!unconfirmed_.empty() && tracker_.graph().find_keyframe(unconfirmed_.front().id) != nullptr) {
-    unconfirmed_.pop_front();
-  }
 }
 
 bool TrackerService::waits_for_graph() const { return context_.options().lockstep && !unconfirmed_.empty(); }
@@ -138,9 +142,7 @@ void TrackerService::track(const features::FrameFeatures& frame) {
   const auto start = std::chrono::steady_clock::now();
   const Answer result = compute(frame);
   note(messages::channels::kFeatures, frame);
-  if (result.keyframe) context_.publish(messages::channels::kKeyframe, *result.keyframe);
-  announce(result.corrections);
-  answer(result.estimate);
+  say(result);
   context_.status().count_frame(milliseconds_since(start));
 }
 
@@ -149,16 +151,25 @@ TrackerService::Answer TrackerService::compute(const features::FrameFeatures& fr
   tracking::TrackResult result = tracker_.track(frame);
   next_sequence_ = frame.header.sequence + 1;
   record_.add(result.estimate, tracker_.map());
-  auto corrections = corrections_.add(session_, std::move(result.corrections));
-  result.estimate.corrections = corrections_.version();
-  if (result.keyframe) {
-    keyframe_answers_.emplace(result.keyframe->id.value, result.estimate);
-    newest_keyframe_ = *result.keyframe;
-    unconfirmed_.push_back(*result.keyframe);
+  Answer answer{{}, std::move(result.keyframe), corrections_.add(session_, std::move(result.corrections))};
+  if (answer.keyframe) {
+    newest_keyframe_ = *answer.keyframe;
+    unconfirmed_.push_back(*answer.keyframe);
   }
-  answered_.emplace(frame.header.sequence, result.estimate);
+  if (waits_for_graph()) {
+    held_answer_ = std::move(result.estimate);
+  } else {
+    answer.estimate = remember(std::move(result.estimate));
+  }
+  return answer;
+}
+
+tracking::PoseEstimate TrackerService::remember(tracking::PoseEstimate estimate) {
+  estimate.corrections = corrections_.version();
+  if (estimate.keyframe.valid()) keyframe_answers_.emplace(estimate.keyframe.value, estimate);
+  answered_.emplace(estimate.header.sequence, estimate);
   if (answered_.size() > kAnswersKept) answered_.erase(answered_.begin());
-  return {std::move(result.estimate), std::move(result.keyframe), std::move(corrections)};
+  return estimate;
 }
 
 base::Status TrackerService::resume() {
@@ -166,6 +177,14 @@ base::Status TrackerService::resume() {
   auto journal = service::Journal::resume(path, [this](const transport::LogEvent& event) { return replay(event); });
   if (!journal) return tl::make_unexpected(journal.error());
   journal_ = std::move(*journal);
+  return {};
+}
+
+template <typename News>
+base::Status TrackerService::replay_news(messages::ByteView bytes) {
+  const auto news = messages::decode<News>(bytes);
+  if (!news) return tl::make_unexpected(news.error());
+  if (const auto applied = apply(*news); !applied) return tl::make_unexpected(applied.error());
   return {};
 }
 
@@ -177,14 +196,8 @@ base::Status TrackerService::replay(const transport::LogEvent& event) {
     compute(*frame);
     return {};
   }
-  if (event.channel == messages::channels::kGraphUpdate) {
-    const auto update = messages::decode<egraph::GraphUpdate>(event.bytes);
-    return update ? apply(*update) : tl::make_unexpected(update.error());
-  }
-  if (event.channel == messages::channels::kGraphSnapshot) {
-    const auto snapshot = messages::decode<egraph::GraphSnapshot>(event.bytes);
-    return snapshot ? apply(*snapshot) : tl::make_unexpected(snapshot.error());
-  }
+  if (event.channel == messages::channels::kGraphUpdate) return replay_news<egraph::GraphUpdate>(event.bytes);
+  if (event.channel == messages::channels::kGraphSnapshot) return replay_news<egraph::GraphSnapshot>(event.bytes);
   return base::fail("a journal has no channel " + event.channel);
 }
 
@@ -195,6 +208,12 @@ void TrackerService::note(const char* channel, const T& value) {
   if (written) return;
   spdlog::warn("a tracker that is killed from now on cannot resume: {}", written.error().message);
   journal_.reset();
+}
+
+void TrackerService::say(const Answer& news) {
+  if (news.keyframe) context_.publish(messages::channels::kKeyframe, *news.keyframe);
+  announce(news.corrections);
+  if (news.estimate) answer(*news.estimate);
 }
 
 void TrackerService::answer(const tracking::PoseEstimate& estimate) {

@@ -13,6 +13,8 @@ namespace eg::services {
 namespace {
 
 constexpr std::size_t kMaxKeyframes = 100'000;
+/// Edges are drawn to the oldest keyframes that saw a landmark: nobody can tell more lines apart.
+constexpr std::size_t kMaxObservers = 200;
 constexpr std::int32_t kPosesPerBlock = 64;
 constexpr std::int32_t kNodesPerBlock = 16;
 
@@ -35,12 +37,15 @@ void add_nodes(const egraph::GraphSnapshot& graph, Blocks& blocks) {
   }
 }
 
-void add_edges(const egraph::GraphSnapshot& graph, Blocks& blocks) {
-  for (const egraph::Edge& edge : graph.edges) {
+void add_edges(const egraph::Graph& graph, Blocks& blocks) {
+  for (const egraph::Edge& edge : graph.edges(kMaxObservers)) {
     Block& block = blocks[edge.second.value / kNodesPerBlock];
     block.edges.insert(block.edges.end(), {edge.first.value, edge.second.value});
     block.edge_weights.push_back(static_cast<std::int32_t>(edge.shared.size()));
   }
+}
+
+void add_covisibility(const egraph::GraphSnapshot& graph, Blocks& blocks) {
   for (const auto& edge : graph.covisibility) {
     Block& block = blocks[std::max(edge.first, edge.second).value / kNodesPerBlock];
     block.covisibility.insert(block.covisibility.end(), {edge.first.value, edge.second.value});
@@ -99,9 +104,10 @@ bool GraphView::apply(const egraph::GraphUpdate& update) {
   return true;
 }
 
-bool GraphView::apply(const egraph::GraphSnapshot& snapshot) {
-  if (snapshot.version <= graph_.version()) return true;
-  if (!graph_.reset(snapshot)) return false;
+bool GraphView::apply(const egraph::GraphSnapshot& part) {
+  if (part.version <= graph_.version()) return true;
+  const auto snapshot = parts_.add(part);
+  if (!snapshot || !graph_.reset(*snapshot)) return false;
   take_over_poses();
   return true;
 }
@@ -170,7 +176,8 @@ bool GraphView::put_graph(Board& board) const {
   const egraph::GraphSnapshot snapshot = graph_.snapshot(0);
   Blocks blocks;
   add_nodes(snapshot, blocks);
-  add_edges(snapshot, blocks);
+  add_edges(graph_, blocks);
+  add_covisibility(snapshot, blocks);
   add_observations(snapshot, blocks);
   bool all = board.put("landmarks", landmarks_packet(graph_, colours_));
   for (const auto& [number, block] : blocks) {

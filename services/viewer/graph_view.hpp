@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/egraph/graph.hpp"
+#include "common/egraph/snapshot_parts.hpp"
 #include "common/tracking/pose_estimate.hpp"
 #include "services/viewer/board.hpp"
 #include "services/viewer/direction_colours.hpp"
@@ -17,7 +18,7 @@ class GraphView {
  public:
   /// False: an update before it is missing; somebody should ask for a snapshot.
   bool apply(const egraph::GraphUpdate& update);
-  bool apply(const egraph::GraphSnapshot& snapshot);
+  bool apply(const egraph::GraphSnapshot& part);
   void apply(const tracking::PoseCorrection& correction);
   /// A keyframe as the tracker has just announced it.
   void add_keyframe(egraph::KeyframeId id, const geometry::Pose& world_from_camera);
@@ -44,6 +45,7 @@ class GraphView {
   void correct(egraph::KeyframeId id, const geometry::Pose& world_from_camera);
 
   egraph::Graph graph_;
+  egraph::SnapshotAssembler parts_;
   std::map<egraph::KeyframeId, geometry::Pose> poses_;
   std::int64_t correction_version_ = -1;
   int corrections_ = 0;

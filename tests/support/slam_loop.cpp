@@ -13,7 +13,9 @@ tracking::PoseEstimate SlamLoop::step(const features::FrameFeatures& frame) {
   if (result.keyframe) {
     const auto update = builder_.add_keyframe(*result.keyframe);
     EG_CHECK(update.has_value(), "the tracker announces keyframes in order");
-    EG_CHECK(tracker_.graph().apply(*update).has_value(), "the replica has every update");
+    const auto corrected = tracker_.follow(*update);
+    EG_CHECK(corrected.has_value(), "the replica has every update");
+    corrections_ += static_cast<int>(corrected->size());
     keyframes_.push_back(std::move(*result.keyframe));
   }
   estimates_.push_back(result.estimate);

@@ -20,6 +20,8 @@ class SlamLoop {
   [[nodiscard]] const std::vector<tracking::PoseEstimate>& estimates() const { return estimates_; }
   [[nodiscard]] const tracking::Tracker& tracker() const { return tracker_; }
   [[nodiscard]] const egraph::Graph& graph() const { return builder_.graph(); }
+  /// How often a keyframe was moved by the refinement of the graph.
+  [[nodiscard]] int corrections() const { return corrections_; }
   [[nodiscard]] const std::vector<egraph::Keyframe>& keyframes() const { return keyframes_; }
 
  private:
@@ -27,6 +29,7 @@ class SlamLoop {
   egraph::GraphBuilder builder_;
   std::vector<tracking::PoseEstimate> estimates_;
   std::vector<egraph::Keyframe> keyframes_;
+  int corrections_ = 0;
 };
 
 /// How far the estimates are from the truth, over the frames that have a pose.

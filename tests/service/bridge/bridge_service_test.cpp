@@ -109,19 +109,30 @@ TEST_F(Bridge, SendsKeyframesOnceMovesThemAndSendsAllAgain) {
 }
 
 TEST_F(Bridge, SendsEdgesAsLinksBetweenKeyframes) {
-  egraph::GraphUpdate update;
-  update.session = 3;
-  update.version = 1;
-  update.keyframe.id.value = 2;
-  update.edges.emplace_back();
-  update.edges.back().first.value = 0;
-  update.edges.back().second.value = 2;
-  send(channels::kGraphUpdate, update);
-  send(channels::kGraphUpdate, update);
+  // Two keyframes that saw the same two walls.
+  for (std::int32_t id = 0; id < 2; ++id) {
+    egraph::GraphUpdate update;
+    update.session = 3;
+    update.base_version = id;
+    update.version = id + 1;
+    update.keyframe.id.value = id;
+    for (std::int32_t wall = 0; wall < 2; ++wall) {
+      egraph::DirectionLandmark landmark;
+      landmark.id.value = wall;
+      landmark.direction = Eigen::Vector3d::Unit(wall);
+      update.landmarks.push_back(landmark);
+      egraph::Observation observation;
+      observation.keyframe = update.keyframe.id;
+      observation.landmark = landmark.id;
+      update.observations.push_back(observation);
+    }
+    send(channels::kGraphUpdate, update);
+    send(channels::kGraphUpdate, update);
+  }
   send_keyframe(0, {0, 0, 0});
   ASSERT_EQ(links_.size(), 1U);
   EXPECT_EQ(links_[0].links[0].id1, 0);
-  EXPECT_EQ(links_[0].links[0].id2, 2);
+  EXPECT_EQ(links_[0].links[0].id2, 1);
   EXPECT_EQ(links_[0].links[0].collection1, objects_.at(0).id);
 }
 

@@ -72,6 +72,22 @@ TEST_F(EGraphServer, AReceiverThatMissedAFewUpdatesGetsThoseAgain) {
   EXPECT_EQ(messages::encode((*updates_)[1]), messages::encode(first[5]));
 }
 
+TEST_F(EGraphServer, ALargeGraphComesInParts) {
+  for (int id = 0; id < 300; ++id) send(keyframe(1, id));
+  ask(1);
+  EXPECT_GT(snapshots_->size(), 1U);
+  egraph::SnapshotAssembler assembler;
+  std::optional<egraph::GraphSnapshot> whole;
+  for (const egraph::GraphSnapshot& part : *snapshots_) {
+    EXPECT_LT(messages::encode(part).size(), 130'000U);
+    EXPECT_FALSE(whole.has_value());
+    whole = assembler.add(part);
+  }
+  ASSERT_TRUE(whole.has_value());
+  EXPECT_EQ(whole->keyframes.size(), 300U);
+  EXPECT_EQ(whole->observations.size(), 900U);
+}
+
 TEST_F(EGraphServer, KnowsNothingOfAnUnknownSession) {
   send(keyframe(1, 0));
   ask(2);

@@ -14,7 +14,7 @@ class Robot {
       : peer_(network),
         session_(session),
         updates_(peer_.collect<egraph::GraphUpdate>(channels::kGraphUpdate)),
-        snapshots_(peer_.collect<egraph::GraphSnapshot>(channels::kGraphSnapshot)),
+        parts_(peer_.collect<egraph::GraphSnapshot>(channels::kGraphSnapshot)),
         requests_(peer_.collect<messages::GraphRequest>(channels::kRestoreRequest)) {}
 
   [[nodiscard]] const egraph::Graph& replica() const { return replica_; }
@@ -26,10 +26,10 @@ class Robot {
     for (const egraph::GraphUpdate& update : *updates_) {
       if (update.session == session_ && !replica_.apply(update)) ask();
     }
-    for (const egraph::GraphSnapshot& snapshot : *snapshots_) take(snapshot);
+    for (const egraph::GraphSnapshot& part : *parts_) take(part);
     for (const messages::GraphRequest& request : *requests_) restore(request);
     updates_->clear();
-    snapshots_->clear();
+    parts_->clear();
     requests_->clear();
     if (!done()) peer_.send(channels::kKeyframe, keyframe(session_, static_cast<int>(replica_.keyframes().size())));
   }
@@ -37,21 +37,25 @@ class Robot {
   void ask() { peer_.send(channels::kGraphRequest, messages::GraphRequest{session_, replica_.version()}); }
 
  private:
-  void take(const egraph::GraphSnapshot& snapshot) {
-    if (snapshot.session != session_ || snapshot.version <= replica_.version()) return;
-    ASSERT_TRUE(replica_.reset(snapshot).has_value());
+  void take(const egraph::GraphSnapshot& part) {
+    if (part.session != session_ || part.version <= replica_.version()) return;
+    const auto whole = assembler_.add(part);
+    if (whole) {
+      ASSERT_TRUE(replica_.reset(*whole).has_value());
+    }
   }
 
   void restore(const messages::GraphRequest& request) {
     if (request.session != session_ || request.have_version >= replica_.version()) return;
-    peer_.send(channels::kRestore, replica_.snapshot(session_));
+    for (const auto& part : egraph::split(replica_.snapshot(session_), 5'000)) peer_.send(channels::kRestore, part);
   }
 
   test::BusPeer peer_;
   std::int64_t session_;
   egraph::Graph replica_;
+  egraph::SnapshotAssembler assembler_;
   test::Inbox<egraph::GraphUpdate> updates_;
-  test::Inbox<egraph::GraphSnapshot> snapshots_;
+  test::Inbox<egraph::GraphSnapshot> parts_;
   test::Inbox<messages::GraphRequest> requests_;
 };
 

@@ -27,10 +27,18 @@ DirectionLandmark landmark(int id, const Vector3d& direction, DirectionKind kind
 
 Vector3d tilted(double degrees) { return {std::sin(degrees * kDegree), 0, std::cos(degrees * kDegree)}; }
 
+Graph graph_of(const std::vector<DirectionLandmark>& landmarks) {
+  GraphSnapshot snapshot;
+  snapshot.landmarks = landmarks;
+  Graph graph;
+  EXPECT_TRUE(graph.reset(snapshot));
+  return graph;
+}
+
 std::vector<Association> associate_in_world(const std::vector<DirectionFeature>& features,
                                             const std::vector<DirectionLandmark>& landmarks,
                                             const AssociationOptions& options = {}) {
-  return associate(features, landmarks, Matrix3d::Identity(), Matrix3d::Zero(), options);
+  return associate(features, graph_of(landmarks), Matrix3d::Identity(), Matrix3d::Zero(), options);
 }
 
 TEST(Association, AVagueOrCrowdedMatchProvesLittle) {
@@ -59,7 +67,7 @@ TEST(Association, RotatesIntoTheWorldAndUnifiesTheSign) {
     const Matrix3d camera_from_world = world_from_camera.transpose();
     const std::vector<DirectionFeature> features = {feature(-camera_from_world.col(2)),
                                                     feature(camera_from_world.col(0))};
-    const auto found = associate(features, landmarks, world_from_camera, Matrix3d::Zero());
+    const auto found = associate(features, graph_of(landmarks), world_from_camera, Matrix3d::Zero());
     ASSERT_EQ(found.size(), 2U);
     EXPECT_EQ(found[0].feature, 0U);
     EXPECT_EQ(found[0].landmark, LandmarkId{9});
@@ -73,7 +81,9 @@ TEST(Association, RotatesIntoTheWorldAndUnifiesTheSign) {
 TEST(Association, KindsDoNotMix) {
   using enum DirectionKind;
   const auto joined = [](DirectionKind seen, DirectionKind known) {
-    return !associate_in_world({feature(Vector3d::UnitZ(), seen)}, {landmark(0, Vector3d::UnitZ(), known)}).empty();
+    return associate(feature(Vector3d::UnitZ(), seen), std::vector{landmark(0, Vector3d::UnitZ(), known)},
+                     Matrix3d::Identity(), Matrix3d::Zero())
+        .has_value();
   };
   EXPECT_TRUE(joined(plane_normal, plane_normal));
   EXPECT_TRUE(joined(vanishing_direction, vanishing_direction));
@@ -84,6 +94,14 @@ TEST(Association, KindsDoNotMix) {
   EXPECT_FALSE(joined(plane_normal, potential_direction));
   EXPECT_FALSE(joined(vanishing_direction, plane_normal));
   EXPECT_FALSE(joined(potential_direction, plane_normal));
+}
+
+TEST(Association, APotentialDirectionOfTheGraphProvesNothing) {
+  const std::vector<DirectionLandmark> known = {landmark(0, tilted(0), DirectionKind::potential_direction),
+                                                landmark(1, tilted(2.0))};
+  const auto found = associate_in_world({feature(tilted(0))}, known);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].landmark, LandmarkId{1});
 }
 
 TEST(Association, NoCovarianceExcusesMoreThanTheMaximumAngle) {
@@ -110,7 +128,7 @@ TEST(Association, UncertainRotationOpensTheGateAcrossTheDirectionOnly) {
   const std::vector<DirectionLandmark> known = {
       landmark(0, tilted(0), DirectionKind::vanishing_direction, 0.001)};  // turned about y
   const auto with = [&](const Vector3d& sigmas) {
-    return associate(seen, known, Matrix3d::Identity(), sigmas.cwiseAbs2().asDiagonal()).size();
+    return associate(seen, graph_of(known), Matrix3d::Identity(), sigmas.cwiseAbs2().asDiagonal()).size();
   };
   EXPECT_EQ(with({0, 0, 0}), 0U);
   EXPECT_EQ(with({0, 0.05, 0}), 1U) << "an unknown turn about y explains it";
@@ -141,7 +159,7 @@ TEST(Association, OfExactDataIsNotRejectedForRounding) {
   const Matrix3d turn = geometry::so3_exp({0.1, 0.7, -2.0});
   const auto found =
       associate(std::vector{feature(turn.transpose() * tilted(30), DirectionKind::plane_normal, 0.0)},
-                std::vector{landmark(0, tilted(30), DirectionKind::plane_normal, 0.0)}, turn, Matrix3d::Zero());
+                graph_of({landmark(0, tilted(30), DirectionKind::plane_normal, 0.0)}), turn, Matrix3d::Zero());
   EXPECT_EQ(found.size(), 1U);
 }
 

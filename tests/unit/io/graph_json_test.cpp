@@ -12,8 +12,8 @@ namespace {
 using egraph::DirectionKind;
 using testing::HasSubstr;
 
-egraph::GraphSnapshot small_graph() {
-  egraph::GraphSnapshot graph;
+egraph::GraphWithEdges small_graph() {
+  egraph::GraphWithEdges graph;
   graph.session = 77;
   graph.version = 3;
   egraph::KeyframeNode keyframe;
@@ -38,7 +38,7 @@ egraph::GraphSnapshot small_graph() {
 }
 
 TEST(GraphJson, WhatIsWrittenIsRead) {
-  const egraph::GraphSnapshot graph = small_graph();
+  const egraph::GraphWithEdges graph = small_graph();
   const auto back = parse_graph(format_graph(graph));
   ASSERT_TRUE(back.has_value()) << back.error().message;
   ASSERT_EQ(back->keyframes.size(), 2U);
@@ -78,7 +78,7 @@ TEST(GraphJson, TextIsReadableAndWithoutSession) {
   EXPECT_THAT(text, HasSubstr("\"kind\":\"vanishing_direction\",\"direction\":[1.0,0.0,0.0],\"sigma_deg\":0.57295779"));
   EXPECT_THAT(text, HasSubstr("{\"first\":0,\"second\":1,\"landmarks\":[4,9]}"));
   EXPECT_THAT(text, HasSubstr("{\"first\":0,\"second\":1,\"shared_features\":120}"));
-  egraph::GraphSnapshot other = small_graph();
+  egraph::GraphWithEdges other = small_graph();
   other.session = 78;
   other.version = 4;
   EXPECT_EQ(format_graph(other), text);

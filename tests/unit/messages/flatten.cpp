@@ -76,9 +76,9 @@ class Flattener {
     (*this)(v.id, v.kind, v.direction, v.covariance, v.observations, v.first_seen, v.last_seen);
   }
   void add(const egraph::Observation& v) { (*this)(v.keyframe, v.landmark, v.direction_in_camera, v.covariance); }
-  void add(const egraph::Edge& v) { (*this)(v.first, v.second, v.shared); }
+  void add(const egraph::RelativePose& v) { (*this)(v.first, v.second, v.first_from_second, v.covariance); }
+  void add(const egraph::CorrectedPose& v) { (*this)(v.keyframe, v.world_from_camera); }
   void add(const egraph::GraphSnapshot::CovisibilityEdge& v) { (*this)(v.first, v.second, v.shared_features); }
-  void add(const tracking::PoseCorrection::Entry& v) { (*this)(v.keyframe, v.world_from_camera); }
   void add(const mapping::Mesh& v) { (*this)(v.vertices, v.normals, v.colours, v.triangles); }
 };
 
@@ -110,17 +110,21 @@ Flat flatten(const egraph::Keyframe& v) {
     const bool is_plane = v.directions[i].kind == features::DirectionKind::plane_normal;
     if (!is_plane && std::isnan(distances[i])) distances[i] = 0;
   }
-  return Flattener()(v.header, v.id, v.world_from_camera, v.covariance, v.directions, distances, v.covisible).result;
+  return Flattener()(v.header, v.id, v.world_from_camera, v.covariance, v.directions, distances, v.covisible,
+                     v.relative_poses, v.moved)
+      .result;
 }
 
 Flat flatten(const egraph::GraphUpdate& v) {
-  return Flattener()(v.session, v.base_version, v.version, v.keyframe, v.landmarks, v.removed, v.observations, v.edges,
-                     v.covisible)
+  return Flattener()(v.session, v.base_version, v.version, v.keyframe, v.landmarks, v.removed, v.observations,
+                     v.covisible, v.relative_poses, v.moved, v.corrections)
       .result;
 }
 
 Flat flatten(const egraph::GraphSnapshot& v) {
-  return Flattener()(v.session, v.version, v.keyframes, v.landmarks, v.observations, v.edges, v.covisibility).result;
+  return Flattener()(v.session, v.version, v.keyframes, v.landmarks, v.observations, v.covisibility, v.relative_poses,
+                     v.part, v.parts, v.next_landmark)
+      .result;
 }
 
 Flat flatten(const mapping::MeshChunk& v) {

@@ -142,10 +142,14 @@ egraph::Observation random_observation(Random& random) {
           random_covariance<3>(random)};
 }
 
-egraph::Edge random_edge(Random& random) {
+egraph::RelativePose random_relative_pose(Random& random) {
   const int first = random_int(random, 0, 999);
-  return {egraph::KeyframeId{first}, egraph::KeyframeId{first + random_int(random, 1, 999)},
-          random_list(random, [&] { return random_id<egraph::LandmarkId>(random); })};
+  return {egraph::KeyframeId{first}, egraph::KeyframeId{first + random_int(random, 1, 999)}, random_pose(random),
+          random_covariance<6>(random)};
+}
+
+egraph::CorrectedPose random_corrected_pose(Random& random) {
+  return {random_id<egraph::KeyframeId>(random), random_pose(random)};
 }
 
 }  // namespace
@@ -192,14 +196,11 @@ tracking::PoseEstimate random_value(Random& random) {
 
 template <>
 tracking::PoseCorrection random_value(Random& random) {
-  using Entry = tracking::PoseCorrection::Entry;
   tracking::PoseCorrection correction;
   correction.session = random_session(random);
   correction.since = random_counter(random);
   correction.version = correction.since + random_int(random, 0, 999);
-  correction.entries = random_list(random, [&] {
-    return Entry{random_id<egraph::KeyframeId>(random), random_pose(random)};
-  });
+  correction.entries = random_list(random, [&] { return random_corrected_pose(random); });
   return correction;
 }
 
@@ -216,6 +217,8 @@ egraph::Keyframe random_value(Random& random) {
     keyframe.plane_distances.push_back(plane ? random.normal() : std::numeric_limits<double>::quiet_NaN());
   }
   keyframe.covisible = random_list(random, [&] { return random_covisibility(random); });
+  keyframe.relative_poses = random_list(random, [&] { return random_relative_pose(random); });
+  keyframe.moved = random_list(random, [&] { return random_corrected_pose(random); });
   return keyframe;
 }
 
@@ -229,7 +232,9 @@ egraph::GraphUpdate random_value(Random& random) {
   update.landmarks = random_list(random, [&] { return random_landmark(random); });
   update.removed = random_list(random, [&] { return random_id<egraph::LandmarkId>(random); });
   update.observations = random_list(random, [&] { return random_observation(random); });
-  update.edges = random_list(random, [&] { return random_edge(random); });
+  update.relative_poses = random_list(random, [&] { return random_relative_pose(random); });
+  update.moved = random_list(random, [&] { return random_corrected_pose(random); });
+  update.corrections = random_list(random, [&] { return random_corrected_pose(random); });
   update.covisible = random_list(random, [&] { return random_covisibility(random); });
   return update;
 }
@@ -242,7 +247,10 @@ egraph::GraphSnapshot random_value(Random& random) {
   snapshot.keyframes = random_list(random, [&] { return random_node(random); });
   snapshot.landmarks = random_list(random, [&] { return random_landmark(random); });
   snapshot.observations = random_list(random, [&] { return random_observation(random); });
-  snapshot.edges = random_list(random, [&] { return random_edge(random); });
+  snapshot.relative_poses = random_list(random, [&] { return random_relative_pose(random); });
+  snapshot.parts = random_int(random, 1, 9);
+  snapshot.part = random_int(random, 0, snapshot.parts - 1);
+  snapshot.next_landmark = random_id<egraph::LandmarkId>(random);
   snapshot.covisibility = random_list(random, [&] {
     return egraph::GraphSnapshot::CovisibilityEdge{random_id<egraph::KeyframeId>(random),
                                                    random_id<egraph::KeyframeId>(random), random_int(random, 0, 999)};

@@ -158,10 +158,19 @@ TEST(Validation, PlaneDistancesMayBeNaNOnlyWhereThereIsNoPlane) {
   EXPECT_EQ(complaint(keyframe), "field 'plane_distances[0]' is not finite");
 }
 
-TEST(Validation, RefusesEdgesFromAKeyframeToItself) {
+TEST(Validation, RefusesARelativePoseBetweenAKeyframeAndItself) {
   egraph::GraphSnapshot snapshot;
-  snapshot.edges.push_back({egraph::KeyframeId{7}, egraph::KeyframeId{7}, {}});
-  EXPECT_EQ(complaint(snapshot), "field 'edges[0].second' is the same keyframe as the first");
+  snapshot.relative_poses.push_back({egraph::KeyframeId{7}, egraph::KeyframeId{7}, {}});
+  EXPECT_EQ(complaint(snapshot), "field 'relative_poses[0].second' is the same keyframe as the first");
+}
+
+TEST(Validation, RefusesASnapshotPartThatIsNone) {
+  egraph::GraphSnapshot snapshot;
+  snapshot.part = 3;
+  snapshot.parts = 3;
+  EXPECT_EQ(complaint(snapshot), "field 'part' is 3, not in [0, 2]");
+  snapshot.parts = 0;
+  EXPECT_EQ(complaint(snapshot), "field 'parts' is 0, not in [1, 100000]");
 }
 
 TEST(Validation, RefusesMeshNormalsAndParts) {

@@ -115,11 +115,13 @@ TEST_P(BundleAdjustment, TheTrackerReportsWhatItMoved) {
   std::map<KeyframeId, Pose> announced;
   for (std::size_t i = 0; i < 80; ++i) {
     const TrackResult result = tracker.track(sequence.frames[i]);
+    for (const auto& [id, pose] : result.corrections) announced[id] = pose;
     if (result.keyframe) {
       announced[result.keyframe->id] = result.keyframe->world_from_camera;
-      ASSERT_TRUE(tracker.graph().apply(*builder.add_keyframe(*result.keyframe)));
+      const auto refined = tracker.follow(*builder.add_keyframe(*result.keyframe));
+      ASSERT_TRUE(refined.has_value());
+      for (const egraph::CorrectedPose& moved : *refined) announced[moved.keyframe] = moved.world_from_camera;
     }
-    for (const auto& [id, pose] : result.corrections) announced[id] = pose;
   }
   ASSERT_GT(announced.size(), 3u);
   for (const MapKeyframe& keyframe : tracker.map().keyframes()) {
