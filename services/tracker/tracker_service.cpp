@@ -116,6 +116,13 @@ void TrackerService::on_resend_request(const messages::ResendRequest& request) {
       const auto answer = keyframe_answers_.find(keyframe);
       if (answer != keyframe_answers_.end()) context_.publish(messages::channels::kPose, answer->second);
     }
+  } else if (request.channel == messages::channels::kFeatures) {
+    for (const std::int64_t keyframe : request.numbers) {
+      const auto keyframes = tracker_.map().keyframes();
+      const bool known = keyframe >= 0 && keyframe < static_cast<std::int64_t>(keyframes.size());
+      if (known)
+        context_.publish(messages::channels::kFeatures, keyframes[static_cast<std::size_t>(keyframe)].features);
+    }
   } else if (request.channel == messages::channels::kPoseCorrection) {
     announce(corrections_.since(request.numbers.front()));
   }

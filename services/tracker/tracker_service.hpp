@@ -20,9 +20,9 @@ namespace eg::services {
 /// server's update has come and the map has followed it, so that the result does not depend on timing. A frame seen
 /// before is answered again, not tracked again. Real time: what waits is dropped for the newest frame; updates are
 /// applied when they come. Either way a keyframe is announced again until the server's update for it arrives. A server
-/// that has lost its graph gets the replica. Keyframes' POSE messages and corrections are sent again to those who ask
-/// (RESEND); to let them see what they miss, every POSE carries the version of the newest correction, and the newest
-/// correction is repeated once a second, in real time the newest KEYFRAME, too.
+/// that has lost its graph gets the replica. Keyframes' POSE and FEATURES messages and corrections are sent again to
+/// those who ask (RESEND); to let them see what they miss, every POSE carries the version of the newest correction, and
+/// the newest correction is repeated once a second, in real time the newest KEYFRAME, too.
 ///
 /// With a journal, a tracker that was killed comes back as it was: tracking is deterministic, so that the frames and
 /// the updates of the graph are all that its state follows from. Each is on the disk before anybody hears of its

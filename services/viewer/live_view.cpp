@@ -50,13 +50,18 @@ void add_image(Packet& packet, const messages::CompressedFrame& frame, image::Re
   if (!depth) return;  // the feature extractor has counted it
   const double units = frame.camera.depth_units_per_metre;
   if (!frame.camera.has_distortion()) {
-    packet.array("colour", frame.colour).array("depth", draw_depth(*depth, units));
+    packet.set("width", frame.camera.width)
+        .set("height", frame.camera.height)
+        .array("colour", frame.colour)
+        .array("depth", draw_depth(*depth, units));
     return;
   }
   auto colour = codec::decode_colour(frame.colour, frame.colour_encoding, frame.camera.width, frame.camera.height);
   if (!colour) return;
   const auto rectified = rectifier.rectify({frame.header, frame.camera, *colour, *depth});
-  packet.array("colour", codec::encode_colour(rectified.colour, codec::ColourEncoding::jpeg))
+  packet.set("width", rectified.camera.width)
+      .set("height", rectified.camera.height)
+      .array("colour", codec::encode_colour(rectified.colour, codec::ColourEncoding::jpeg))
       .array("depth", draw_depth(rectified.depth, 1.0));
 }
 
@@ -109,10 +114,7 @@ const features::FrameFeatures* RecentFrames::find_features(const image::FrameHea
 std::vector<std::uint8_t> LiveView::packet(const LiveFrame& live, const DirectionColours& colours) {
   Packet packet("live");
   packet.set("sequence", static_cast<double>(live.pose->header.sequence));
-  if (live.frame != nullptr) {
-    packet.set("width", live.frame->camera.width).set("height", live.frame->camera.height);
-    add_image(packet, *live.frame, rectifier_);
-  }
+  if (live.frame != nullptr) add_image(packet, *live.frame, rectifier_);
   if (live.features != nullptr) {
     const geometry::Pose& pose = live.pose->world_from_camera;
     add_features(packet, *live.features, line_colours(*live.features, pose, colours), pose, colours);

@@ -18,6 +18,7 @@ constexpr std::size_t kMaxSamples = 1'000'000;  ///< nine hours at 30 Hz
 void TrajectoryView::add(const tracking::PoseEstimate& estimate, const GraphView& graph) {
   if (estimate.header.sequence <= newest_sequence_) return;  // an answer that is repeated
   newest_sequence_ = estimate.header.sequence;
+  if (oldest_sequence_ < 0) oldest_sequence_ = newest_sequence_;
   if (estimate.keyframe.valid()) keyframe_ = estimate.keyframe;
   const geometry::Pose* world_from_keyframe = graph.find_pose(keyframe_);
   if (!estimate.has_pose || world_from_keyframe == nullptr || samples_.size() >= kMaxSamples) {
@@ -27,6 +28,24 @@ void TrajectoryView::add(const tracking::PoseEstimate& estimate, const GraphView
   samples_.push_back({estimate.header.utime, keyframe_, world_from_keyframe->inverse() * estimate.world_from_camera,
                       !gap_, estimate.state});
   gap_ = false;
+}
+
+void TrajectoryView::take_missed(const GraphView& graph) {
+  const auto nodes = graph.graph().keyframes();
+  if (nodes.empty()) return;
+  std::vector<Sample> missed;
+  for (const egraph::KeyframeNode& node : nodes) {
+    if (oldest_sequence_ >= 0 && node.sequence >= oldest_sequence_) break;
+    missed.push_back({node.utime, node.id, {}, !missed.empty(), tracking::TrackingState::tracking});
+    newest_sequence_ = std::max(newest_sequence_, node.sequence);
+    keyframe_ = std::max(keyframe_, node.id);
+  }
+  if (missed.empty()) return;
+  if (!samples_.empty()) samples_.front().follows = true;
+  samples_.insert(samples_.begin(), missed.begin(), missed.end());
+  oldest_sequence_ = nodes.front().sequence;
+  gap_ = false;
+  put_ = 0;
 }
 
 bool TrajectoryView::put(Board& board) {

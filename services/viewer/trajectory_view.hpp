@@ -16,6 +16,8 @@ class TrajectoryView {
  public:
   /// A new frame. Frames without a pose leave a gap.
   void add(const tracking::PoseEstimate& estimate, const GraphView& graph);
+  /// Where the camera was before the first frame seen: at the keyframes that the graph has from that time.
+  void take_missed(const GraphView& graph);
   void clear() { *this = {}; }
 
   /// Packets "trajectory": the blocks that changed since the last call.
@@ -37,6 +39,7 @@ class TrajectoryView {
   std::vector<Sample> samples_;
   std::size_t put_ = 0;  ///< samples that are on the board
   egraph::KeyframeId keyframe_;
+  std::int64_t oldest_sequence_ = -1;  ///< -1: none seen yet
   std::int64_t newest_sequence_ = -1;
   bool gap_ = true;
 };

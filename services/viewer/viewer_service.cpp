@@ -73,7 +73,7 @@ void ViewerService::subscribe() {
   context_.subscribe<messages::CompressedFrame>(channels::kRgbd, kStreamQueue,
                                                 [this](const messages::CompressedFrame& frame) { recent_.add(frame); });
   context_.subscribe<features::FrameFeatures>(channels::kFeatures, kStreamQueue,
-                                              [this](const features::FrameFeatures& frame) { recent_.add(frame); });
+                                              [this](const features::FrameFeatures& frame) { on_features(frame); });
   context_.subscribe<tracking::PoseEstimate>(channels::kPose, 0,
                                              [this](const tracking::PoseEstimate& pose) { on_pose(pose); });
   context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, 0, [this](const egraph::GraphUpdate& update) {
@@ -98,6 +98,13 @@ void ViewerService::subscribe() {
 bool ViewerService::is_shown(std::int64_t session) {
   if (!session_) session_ = session;
   return session == *session_;
+}
+
+void ViewerService::on_features(const features::FrameFeatures& frame) {
+  const bool shown = session_ && frame.header.session == *session_;
+  const auto missed = shown ? missed_.find(graph_.graph(), frame.header.sequence) : std::nullopt;
+  if (missed) return add_contents(*missed, frame);
+  recent_.add(frame);
 }
 
 void ViewerService::on_pose(const tracking::PoseEstimate& pose) {
@@ -126,6 +133,7 @@ void ViewerService::restart(std::int64_t session) {
   mesh_.clear();
   planes_.clear();
   trajectory_.clear();
+  missed_.clear();
   images_.clear();
   pending_contents_.clear();
   latest_pose_.reset();
@@ -139,11 +147,15 @@ void ViewerService::add_keyframe(const tracking::PoseEstimate& pose) {
   graph_.add_keyframe(pose.keyframe, pose.world_from_camera);
   if (const auto* frame = recent_.find_frame(pose.header)) {
     images_.put(pose.keyframe.value, stored(*frame));
-    camera_ = frame->camera;
   }
-  const auto* features = recent_.find_features(pose.header);
-  if (features == nullptr || !pending_contents_.try_emplace(pose.keyframe, *features).second) return;
-  planes_.add(pose.keyframe, features->planes);
+  if (const auto* features = recent_.find_features(pose.header)) add_contents(pose.keyframe, *features);
+}
+
+void ViewerService::add_contents(egraph::KeyframeId keyframe, const features::FrameFeatures& features) {
+  if (!pending_contents_.try_emplace(keyframe, features).second) return;
+  missed_.note_seen(keyframe);
+  planes_.add(keyframe, features.planes);
+  camera_ = features.camera;
   if (pending_contents_.size() > kMaxPending) pending_contents_.erase(pending_contents_.begin());
 }
 
@@ -176,12 +188,14 @@ void ViewerService::idle(std::int64_t now_utime) {
 
 void ViewerService::put_moving_parts() {
   check(graph_.put_poses(board_));
+  trajectory_.take_missed(graph_);
   check(trajectory_.put(board_));
   if (latest_pose_) put_camera();
 }
 
 void ViewerService::put_structure() {
   put_pending_contents();
+  if (session_) ask_for_contents();
   check(graph_.put_graph(board_));
   check(planes_.put(board_, graph_));
 }
@@ -240,6 +254,12 @@ void ViewerService::ask_for_what_is_missing() {
   if (mesh_state_ == Mesh::coming) return;
   mesh_state_ = Mesh::asked_for;
   context_.publish(channels::kMeshRequest, messages::MeshRequest{*session_});
+}
+
+void ViewerService::ask_for_contents() {
+  const std::vector<std::int64_t> keyframes = missed_.next(graph_.graph());
+  if (keyframes.empty()) return;
+  context_.publish(channels::kResend, messages::ResendRequest{*session_, channels::kFeatures, keyframes});
 }
 
 void ViewerService::check(bool put) {

@@ -13,6 +13,7 @@
 #include "services/viewer/keyframe_images.hpp"
 #include "services/viewer/live_view.hpp"
 #include "services/viewer/mesh_tiles.hpp"
+#include "services/viewer/missed_contents.hpp"
 #include "services/viewer/plane_map.hpp"
 #include "services/viewer/trajectory_view.hpp"
 #include "services/viewer/web_server.hpp"
@@ -27,8 +28,9 @@ struct ViewerOptions {
   int image_budget = 64;               ///< MB of keyframe images
 };
 
-/// Watches all streams and shows them to browsers. It takes no part: all that it ever says is a request for the E-Graph
-/// when it has missed an update of it, and one for the mesh when it begins.
+/// Watches all streams and shows them to browsers. It takes no part: all that it ever says are requests: for the
+/// E-Graph when it has missed an update of it, for the mesh when it begins, for the features of keyframes that it
+/// missed.
 ///
 /// It shows one session, the first that it hears of; when that one has fallen silent, or its frames begin again from
 /// the start (another run, a log that is played again), the scene begins anew.
@@ -46,6 +48,7 @@ class ViewerService : public service::Service {
   ViewerService(service::ServiceContext& context, const ViewerOptions& options);
 
   void subscribe();
+  void on_features(const features::FrameFeatures& frame);
   void on_pose(const tracking::PoseEstimate& pose);
   void on_status(const messages::ServiceStatus& status);
 
@@ -53,6 +56,7 @@ class ViewerService : public service::Service {
   void follow_session(const image::FrameHeader& header);
   void restart(std::int64_t session);
   void add_keyframe(const tracking::PoseEstimate& pose);
+  void add_contents(egraph::KeyframeId keyframe, const features::FrameFeatures& features);
 
   void put_moving_parts();
   void put_structure();
@@ -61,6 +65,7 @@ class ViewerService : public service::Service {
   void put_live();
   void put_pending_contents();
   void ask_for_what_is_missing();
+  void ask_for_contents();
   void check(bool put);
 
   service::ServiceContext& context_;
@@ -69,6 +74,7 @@ class ViewerService : public service::Service {
   GraphView graph_;
   MeshTiles mesh_;
   PlaneMap planes_;
+  MissedContents missed_;
   TrajectoryView trajectory_;
   RecentFrames recent_;
   LiveView live_;

@@ -157,6 +157,18 @@ TEST(TrackerService, SendsCorrectionsAndKeyframePosesAgainToWhoAsks) {
   EXPECT_EQ(messages::encode(rig.poses->back()), messages::encode(rig.poses->front()));
 }
 
+TEST(TrackerService, SendsTheFeaturesOfKeyframesAgainToWhoAsks) {
+  Rig rig(true);
+  for (std::size_t i = 0; i < 3; ++i) {
+    rig.send_frame(i);
+    rig.answer_keyframes();
+  }
+  const auto features = rig.collect<features::FrameFeatures>(channels::kFeatures);
+  rig.send(channels::kResend, messages::ResendRequest{1, channels::kFeatures, {0, 99}});
+  ASSERT_EQ(features->size(), 1U) << "one of them there is not";
+  EXPECT_EQ(messages::encode(features->front()), messages::encode(recording().frames.front()));
+}
+
 TEST(TrackerService, ASnapshotReleasesWaitingFramesInLockstep) {
   Rig rig(true);
   rig.send_frame(0);

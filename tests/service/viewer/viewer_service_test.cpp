@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <numbers>
 
@@ -55,17 +56,14 @@ class ViewerServiceTest : public testing::Test {
       if (key == "tile") {
         for (const int i : packet.array<int>("tile")) key.append("/").append(std::to_string(i));
       }
+      if (key == "contents")
+        packets.insert_or_assign(fmt::format("contents/{}", packet.head["keyframe"].get<int>()), packet);
       packets.insert_or_assign(key, packet);
     }
     return packets;
   }
 
-  /// One frame as the whole system deals with it; it becomes a keyframe.
-  void send_keyframe(int id, const geometry::Pose& world_from_camera, std::int64_t session = 1) {
-    const image::FrameHeader header{session, 10 * id, kSecond * id};
-    image::RgbdFrame frame{header, camera_, cv::Mat(24, 32, CV_8UC3, cv::Scalar(id, 0, 0)),
-                           cv::Mat(24, 32, CV_16UC1, cv::Scalar(5000))};
-    rest_.send(channels::kRgbd, frame);
+  features::FrameFeatures features_of(const image::FrameHeader& header) const {
     features::FrameFeatures features;
     features.header = header;
     features.camera = camera_;
@@ -79,7 +77,18 @@ class ViewerServiceTest : public testing::Test {
     features.lines[0].end = Eigen::Vector3d::UnitX();
     features.lines[0].direction = 1;
     features.directions = directions_;
-    rest_.send(channels::kFeatures, features);
+    return features;
+  }
+
+  static image::FrameHeader header_of(int id, std::int64_t session = 1) { return {session, 10 * id, kSecond * id}; }
+
+  /// One frame as the whole system deals with it; it becomes a keyframe.
+  void send_keyframe(int id, const geometry::Pose& world_from_camera, std::int64_t session = 1) {
+    const image::FrameHeader header = header_of(id, session);
+    image::RgbdFrame frame{header, camera_, cv::Mat(24, 32, CV_8UC3, cv::Scalar(id, 0, 0)),
+                           cv::Mat(24, 32, CV_16UC1, cv::Scalar(5000))};
+    rest_.send(channels::kRgbd, frame);
+    rest_.send(channels::kFeatures, features_of(header));
     tracking::PoseEstimate pose;
     pose.header = header;
     pose.state = tracking::TrackingState::tracking;
@@ -184,6 +193,46 @@ TEST_F(ViewerServiceTest, AsksForTheGraphWhenItMissedAnUpdate) {
   const std::size_t asked = requests->size();
   pass(10 * kSecond);
   EXPECT_EQ(requests->size(), asked);
+}
+
+TEST_F(ViewerServiceTest, ALateViewerAsksForWhatKeyframesShowed) {
+  const auto requests = rest_.collect<messages::ResendRequest>(channels::kResend);
+  for (int id = 0; id < 6; ++id) {  // before the viewer was there
+    egraph::Keyframe keyframe;
+    keyframe.header = header_of(id);
+    keyframe.id = {id};
+    keyframe.world_from_camera = at(id);
+    ASSERT_TRUE(builder_.add_keyframe(keyframe));
+  }
+  send_keyframe(6, at(6.0));
+  rest_.send(channels::kGraphSnapshot, builder_.graph().snapshot(1));
+  pass();
+  pass();
+  ASSERT_FALSE(requests->empty());
+  EXPECT_EQ(requests->front().channel, channels::kFeatures);
+  EXPECT_EQ(requests->front().numbers, (std::vector<std::int64_t>{5, 4, 3, 2})) << "the newest first";
+  EXPECT_EQ(look().at("trajectory").array<std::int32_t>("keyframes"), (std::vector<std::int32_t>{0, 1, 2, 3, 4, 5, 6}));
+
+  for (int id = 0; id < 6; ++id) rest_.send(channels::kFeatures, features_of(header_of(id)));
+  pass();
+  pass();
+  const auto seen = look();
+  for (int id = 0; id < 7; ++id) EXPECT_TRUE(seen.contains(fmt::format("contents/{}", id))) << id;
+  const std::size_t asked = requests->size();
+  pass(10 * kSecond);
+  EXPECT_EQ(requests->size(), asked) << "nothing is missing any more";
+}
+
+TEST_F(ViewerServiceTest, StopsAskingForWhatNobodyHas) {
+  const auto requests = rest_.collect<messages::ResendRequest>(channels::kResend);
+  egraph::Keyframe keyframe;
+  keyframe.id = {0};
+  keyframe.header = header_of(0);
+  ASSERT_TRUE(builder_.add_keyframe(keyframe));
+  send_keyframe(1, at(1.0));
+  rest_.send(channels::kGraphSnapshot, builder_.graph().snapshot(1));
+  for (int i = 0; i < 20; ++i) pass();
+  EXPECT_EQ(requests->size(), 5u);
 }
 
 TEST_F(ViewerServiceTest, CorrectionsMoveKeyframesAndWhatHangsOnThem) {

@@ -27,7 +27,7 @@ constexpr int kFrames = 60;
 const Names kEverything = {"sequence", "triangles", "tiles", "poses",  "keyframes",
                            "edges",    "points",    "lines", "planes", "landmarks"};
 /// What a viewer that starts late can still learn.
-const Names kLasting = {"triangles", "tiles", "keyframes", "edges", "landmarks"};
+const Names kLasting = {"triangles", "tiles", "keyframes", "edges", "points", "lines", "landmarks"};
 
 class ViewerPage : public testing::Test {
  protected:
@@ -75,6 +75,13 @@ class ViewerPage : public testing::Test {
     const std::string output = system.output();
     const std::string announcement = service + " started as process ";
     return std::stoi(output.substr(output.rfind(announcement) + announcement.size()));
+  }
+
+  static void kill_and_await_return(const test::Program& system, const std::string& service) {
+    const pid_t before = pid_of(system, service);
+    kill(before, SIGKILL);
+    for (int i = 0; i < 200 && pid_of(system, service) == before; ++i) std::this_thread::sleep_for(100ms);
+    EXPECT_NE(pid_of(system, service), before) << service;
   }
 
   static void switch_layers_and_views(test::BrowserPage& page) {
@@ -139,13 +146,23 @@ TEST_F(ViewerPage, FollowsTheSystemAndHeals) {
 
   // A viewer that is killed comes back, and the page with it.
   kill(pid_of(system, "viewer"), SIGKILL);
-  EXPECT_TRUE(becomes(*page, "poses", 0));
+  EXPECT_TRUE(becomes(*page, "poses", last["keyframes"])) << "the trajectory from keyframe to keyframe";
   for (const char* name : kLasting) EXPECT_TRUE(becomes(*page, name, last[name])) << name;
 
-  // A service that has gone is seen to be silent.
-  kill(pid_of(system, "feature_extractor"), SIGKILL);
+  // So does every service, and the page shows what it showed.
+  for (const std::string service : {"feature_extractor", "egraph_server", "tracker", "mapper", "frame_source"}) {
+    kill_and_await_return(system, service);
+    EXPECT_TRUE(page->wait_for("egraph.summary().services.length == 6 && !egraph.summary().silent.length")) << service;
+    for (const char* name : kLasting) EXPECT_TRUE(becomes(*page, name, last[name])) << name << " after " << service;
+  }
+
+  // One that hangs is seen to be silent, until it goes on.
+  const pid_t hanging = pid_of(system, "feature_extractor");
+  kill(hanging, SIGSTOP);
   EXPECT_TRUE(page->wait_for("egraph.summary().silent.includes('feature_extractor')"));
   EXPECT_TRUE(page->wait_for("document.querySelector('#health tr.silent')"));
+  kill(hanging, SIGCONT);
+  EXPECT_TRUE(page->wait_for("!document.querySelector('#health tr.silent')"));
   EXPECT_EQ(page->evaluate("egraph.errors"), "[]");
   system.send_signal(SIGINT);
   EXPECT_EQ(system.wait(60s), 0) << system.output();
