@@ -18,6 +18,7 @@ class TrackRecord {
   void add(const tracking::PoseEstimate& estimate, const tracking::Map& map);
 
   [[nodiscard]] bool empty() const { return rows_.empty(); }
+  [[nodiscard]] std::int64_t frame_count() const { return frame_count_; }
 
   /// What the source sent, and the frames that it could not read.
   void set_end(std::int64_t frame_count, std::vector<std::int64_t> skipped_utimes) {

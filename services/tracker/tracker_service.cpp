@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <utility>
 
 #include "common/messages/channels.hpp"
 
@@ -21,6 +25,12 @@ constexpr std::int64_t kAnnouncementPeriod = 300'000;
 /// gap.
 constexpr std::int64_t kDigestPeriod = 1'000'000;
 
+/// After so long (microseconds) without a frame another session may begin.
+constexpr std::int64_t kSilence = 2'000'000;
+/// Sessions whose late frames are told from those of a new one.
+constexpr std::size_t kFormerSessions = 64;
+constexpr char kJournal[] = "tracker.journal";
+
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -28,7 +38,7 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 TrackerService::TrackerService(service::ServiceContext& context, tracking::TrackerOptions options)
-    : context_(context), tracker_(options) {
+    : context_(context), options_(options), session_(0, options) {
   const int capacity = context_.options().lockstep ? 0 : 2;
   context_.subscribe<features::FrameFeatures>(messages::channels::kFeatures, capacity,
                                               [this](const features::FrameFeatures& frame) { on_features(frame); });
@@ -47,28 +57,62 @@ TrackerService::TrackerService(service::ServiceContext& context, tracking::Track
 }
 
 void TrackerService::on_features(const features::FrameFeatures& frame) {
-  if (record_.empty() && waiting_.empty()) session_ = frame.header.session;
-  if (frame.header.session != session_) {
+  if (!enter_session(frame.header.session)) {
     context_.status().count_rejected("FEATURES: field 'session' differs from the session being tracked");
     return;
   }
-  if (const auto known = answered_.find(frame.header.sequence); known != answered_.end()) {
+  session_.heard_utime = now_utime_;
+  if (const auto known = session_.answered.find(frame.header.sequence); known != session_.answered.end()) {
     answer(known->second);
     return;
   }
-  const std::int64_t first_unanswered = held_answer_ ? held_answer_->header.sequence : next_sequence_;
+  const std::int64_t first_unanswered =
+      session_.held_answer ? session_.held_answer->header.sequence : session_.next_sequence;
   if (frame.header.sequence < first_unanswered) return acknowledge(first_unanswered - 1);  // of a source started anew
-  if (frame.header.sequence < next_sequence_) return;
-  if (waiting_.size() >= kMaxWaiting) return;
-  waiting_.emplace(frame.header.sequence, frame);
+  if (frame.header.sequence < session_.next_sequence) return;
+  if (session_.waiting.size() >= kMaxWaiting) return;
+  session_.waiting.emplace(frame.header.sequence, frame);
   track_waiting_frames();
 }
 
+bool TrackerService::enter_session(std::int64_t id) {
+  if (session_.begun && id == session_.id) return true;
+  const bool goes_on = session_.begun && !session_.is_complete() && now_utime_ - session_.heard_utime < kSilence;
+  if (goes_on || std::find(former_sessions_.begin(), former_sessions_.end(), id) != former_sessions_.end())
+    return false;
+  if (session_.begun) leave_session();
+  session_ = TrackedSession(id, options_);
+  session_.begun = true;
+  return true;
+}
+
+void TrackerService::leave_session() {
+  former_sessions_.push_back(session_.id);
+  if (former_sessions_.size() > kFormerSessions) former_sessions_.pop_front();
+  const std::string name = "session-" + std::to_string(session_.id);
+  spdlog::info("{} is over after {} frames", name, session_.next_sequence);
+  const std::filesystem::path& out = context_.options().out;
+  if (!out.empty()) {
+    std::error_code failure;
+    std::filesystem::create_directories(out / name, failure);
+    const auto saved = session_.record.save(out / name, session_.tracker.map());
+    if (!saved) spdlog::error("{} could not be saved: {}", name, saved.error().message);
+  }
+  if (!journal_) return;
+  auto begun = service::Journal::create(out / kJournal);
+  if (begun) {
+    journal_ = std::move(*begun);
+  } else {
+    stop_journal(begun.error());
+  }
+}
+
 void TrackerService::on_graph_update(const egraph::GraphUpdate& update) {
-  if (update.session != session_) return;
+  if (update.session != session_.id) return;
   const auto news = apply(update);
   if (!news) {
-    context_.publish(messages::channels::kGraphRequest, messages::GraphRequest{session_, tracker_.graph().version()});
+    context_.publish(messages::channels::kGraphRequest,
+                     messages::GraphRequest{session_.id, session_.tracker.graph().version()});
     return;
   }
   note(messages::channels::kGraphUpdate, update);
@@ -77,8 +121,8 @@ void TrackerService::on_graph_update(const egraph::GraphUpdate& update) {
 }
 
 void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& part) {
-  if (part.session != session_ || part.version <= tracker_.graph().version()) return;
-  const auto snapshot = snapshot_.add(part);
+  if (part.session != session_.id || part.version <= session_.tracker.graph().version()) return;
+  const auto snapshot = session_.snapshot.add(part);
   if (!snapshot) return;
   const auto news = apply(*snapshot);
   if (!news) return context_.status().count_rejected("EGRAPH: " + news.error().message);
@@ -89,58 +133,59 @@ void TrackerService::on_graph_snapshot(const egraph::GraphSnapshot& part) {
 
 template <typename News>
 base::Result<TrackerService::Answer> TrackerService::apply(const News& of_graph) {
-  auto corrected = tracker_.follow(of_graph);
+  auto corrected = session_.tracker.follow(of_graph);
   if (!corrected) return tl::make_unexpected(corrected.error());
-  Answer news{{}, {}, corrections_.add(session_, std::move(*corrected))};
-  while (!unconfirmed_.empty() && tracker_.graph().find_keyframe(unconfirmed_.front().id) != nullptr) {
-    unconfirmed_.pop_front();
+  Answer news{{}, {}, session_.corrections.add(session_.id, std::move(*corrected))};
+  while (!session_.unconfirmed.empty() &&
+         session_.tracker.graph().find_keyframe(session_.unconfirmed.front().id) != nullptr) {
+    session_.unconfirmed.pop_front();
   }
-  if (held_answer_ && !waits_for_graph()) {
-    news.estimate = remember(*held_answer_);
-    held_answer_.reset();
+  if (session_.held_answer && !waits_for_graph()) {
+    news.estimate = remember(*session_.held_answer);
+    session_.held_answer.reset();
   }
   return news;
 }
 
 void TrackerService::on_restore_request(const messages::GraphRequest& request) {
-  if (request.session != session_ || request.have_version >= tracker_.graph().version()) return;
-  for (const egraph::GraphSnapshot& part : egraph::split(tracker_.graph().snapshot(session_))) {
+  if (request.session != session_.id || request.have_version >= session_.tracker.graph().version()) return;
+  for (const egraph::GraphSnapshot& part : egraph::split(session_.tracker.graph().snapshot(session_.id))) {
     context_.publish(messages::channels::kRestore, part);
   }
 }
 
 void TrackerService::on_resend_request(const messages::ResendRequest& request) {
-  if (request.session != session_ || request.numbers.empty()) return;
+  if (request.session != session_.id || request.numbers.empty()) return;
   if (request.channel == messages::channels::kPose) {
     for (const std::int64_t keyframe : request.numbers) {
-      const auto answer = keyframe_answers_.find(keyframe);
-      if (answer != keyframe_answers_.end()) context_.publish(messages::channels::kPose, answer->second);
+      const auto answer = session_.keyframe_answers.find(keyframe);
+      if (answer != session_.keyframe_answers.end()) context_.publish(messages::channels::kPose, answer->second);
     }
   } else if (request.channel == messages::channels::kFeatures) {
     for (const std::int64_t keyframe : request.numbers) {
-      const auto keyframes = tracker_.map().keyframes();
+      const auto keyframes = session_.tracker.map().keyframes();
       const bool known = keyframe >= 0 && keyframe < static_cast<std::int64_t>(keyframes.size());
       if (known)
         context_.publish(messages::channels::kFeatures, keyframes[static_cast<std::size_t>(keyframe)].features);
     }
   } else if (request.channel == messages::channels::kPoseCorrection) {
-    announce(corrections_.since(request.numbers.front()));
+    announce(session_.corrections.since(request.numbers.front()));
   }
 }
 
 void TrackerService::on_end_of_stream(const messages::EndOfStream& end) {
-  if (end.session == session_) record_.set_end(end.frame_count, end.skipped_utimes);
+  if (end.session == session_.id) session_.record.set_end(end.frame_count, end.skipped_utimes);
 }
 
-bool TrackerService::waits_for_graph() const { return context_.options().lockstep && !unconfirmed_.empty(); }
+bool TrackerService::waits_for_graph() const { return context_.options().lockstep && !session_.unconfirmed.empty(); }
 
 void TrackerService::track_waiting_frames() {
-  while (!waiting_.empty() && !waits_for_graph()) {
-    const auto first = waiting_.begin();
-    if (context_.options().lockstep && first->first != next_sequence_)
+  while (!session_.waiting.empty() && !waits_for_graph()) {
+    const auto first = session_.waiting.begin();
+    if (context_.options().lockstep && first->first != session_.next_sequence)
       return;  // lost on the way; the source sends it again
     const features::FrameFeatures frame = std::move(first->second);
-    waiting_.erase(first);
+    session_.waiting.erase(first);
     track(frame);
   }
 }
@@ -155,32 +200,37 @@ void TrackerService::track(const features::FrameFeatures& frame) {
 
 TrackerService::Answer TrackerService::compute(const features::FrameFeatures& frame) {
   context_.status().count_sequence(frame.header.session, frame.header.sequence);
-  tracking::TrackResult result = tracker_.track(frame);
-  next_sequence_ = frame.header.sequence + 1;
-  record_.add(result.estimate, tracker_.map());
-  Answer answer{{}, std::move(result.keyframe), corrections_.add(session_, std::move(result.corrections))};
+  tracking::TrackResult result = session_.tracker.track(frame);
+  session_.next_sequence = frame.header.sequence + 1;
+  session_.record.add(result.estimate, session_.tracker.map());
+  Answer answer{{}, std::move(result.keyframe), session_.corrections.add(session_.id, std::move(result.corrections))};
   if (answer.keyframe) {
-    newest_keyframe_ = *answer.keyframe;
-    unconfirmed_.push_back(*answer.keyframe);
+    session_.newest_keyframe = *answer.keyframe;
+    session_.unconfirmed.push_back(*answer.keyframe);
   }
   if (waits_for_graph()) {
-    held_answer_ = std::move(result.estimate);
+    session_.held_answer = std::move(result.estimate);
   } else {
     answer.estimate = remember(std::move(result.estimate));
   }
   return answer;
 }
 
+void TrackerService::stop_journal(const base::Error& error) {
+  spdlog::warn("a tracker that is killed from now on cannot resume: {}", error.message);
+  journal_.reset();
+}
+
 tracking::PoseEstimate TrackerService::remember(tracking::PoseEstimate estimate) {
-  estimate.corrections = corrections_.version();
-  if (estimate.keyframe.valid()) keyframe_answers_.emplace(estimate.keyframe.value, estimate);
-  answered_.emplace(estimate.header.sequence, estimate);
-  if (answered_.size() > kAnswersKept) answered_.erase(answered_.begin());
+  estimate.corrections = session_.corrections.version();
+  if (estimate.keyframe.valid()) session_.keyframe_answers.emplace(estimate.keyframe.value, estimate);
+  session_.answered.emplace(estimate.header.sequence, estimate);
+  if (session_.answered.size() > kAnswersKept) session_.answered.erase(session_.answered.begin());
   return estimate;
 }
 
 base::Status TrackerService::resume() {
-  const std::filesystem::path path = context_.options().out / "tracker.journal";
+  const std::filesystem::path path = context_.options().out / kJournal;
   auto journal = service::Journal::resume(path, [this](const transport::LogEvent& event) { return replay(event); });
   if (!journal) return tl::make_unexpected(journal.error());
   journal_ = std::move(*journal);
@@ -199,7 +249,7 @@ base::Status TrackerService::replay(const transport::LogEvent& event) {
   if (event.channel == messages::channels::kFeatures) {
     const auto frame = messages::decode<features::FrameFeatures>(event.bytes);
     if (!frame) return tl::make_unexpected(frame.error());
-    session_ = frame->header.session;
+    enter_session(frame->header.session);
     compute(*frame);
     return {};
   }
@@ -212,9 +262,7 @@ template <typename T>
 void TrackerService::note(const char* channel, const T& value) {
   if (!journal_) return;
   const base::Status written = journal_->add(channel, value);
-  if (written) return;
-  spdlog::warn("a tracker that is killed from now on cannot resume: {}", written.error().message);
-  journal_.reset();
+  if (!written) stop_journal(written.error());
 }
 
 void TrackerService::say(const Answer& news) {
@@ -230,7 +278,7 @@ void TrackerService::answer(const tracking::PoseEstimate& estimate) {
 
 void TrackerService::acknowledge(std::int64_t sequence) {
   context_.publish(messages::channels::kAcknowledge,
-                   messages::Acknowledge{session_, sequence, context_.options().name});
+                   messages::Acknowledge{session_.id, sequence, context_.options().name});
 }
 
 void TrackerService::announce(const std::vector<tracking::PoseCorrection>& corrections) {
@@ -240,29 +288,30 @@ void TrackerService::announce(const std::vector<tracking::PoseCorrection>& corre
 }
 
 void TrackerService::repeat_newest() {
-  announce(corrections_.since(corrections_.version() - 1));
-  if (newest_keyframe_ && !context_.options().lockstep) {
-    context_.publish(messages::channels::kKeyframe, *newest_keyframe_);
+  announce(session_.corrections.since(session_.corrections.version() - 1));
+  if (session_.newest_keyframe && !context_.options().lockstep) {
+    context_.publish(messages::channels::kKeyframe, *session_.newest_keyframe);
   }
 }
 
 void TrackerService::idle(std::int64_t now_utime) {
+  now_utime_ = now_utime;
   if (now_utime - last_digest_utime_ >= kDigestPeriod) {
     last_digest_utime_ = now_utime;
     repeat_newest();
   }
-  if (unconfirmed_.empty()) {
+  if (session_.unconfirmed.empty()) {
     last_announcement_utime_ = now_utime;
     return;
   }
   if (now_utime - last_announcement_utime_ < kAnnouncementPeriod) return;
   last_announcement_utime_ = now_utime;
-  context_.publish(messages::channels::kKeyframe, unconfirmed_.front());
+  context_.publish(messages::channels::kKeyframe, session_.unconfirmed.front());
 }
 
 base::Status TrackerService::save() {
   if (context_.options().out.empty()) return {};
-  return record_.save(context_.options().out, tracker_.map());
+  return session_.record.save(context_.options().out, session_.tracker.map());
 }
 
 }  // namespace eg::services

@@ -2,15 +2,11 @@
 
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <optional>
 
-#include "common/egraph/snapshot_parts.hpp"
 #include "common/service/journal.hpp"
 #include "common/service/service.hpp"
-#include "common/tracking/tracker.hpp"
-#include "services/tracker/correction_record.hpp"
-#include "services/tracker/track_record.hpp"
+#include "services/tracker/tracked_session.hpp"
 
 namespace eg::services {
 
@@ -27,6 +23,9 @@ namespace eg::services {
 /// With a journal, a tracker that was killed comes back as it was: tracking is deterministic, so that the frames and
 /// the updates of the graph are all that its state follows from. Each is on the disk before anybody hears of its
 /// result.
+///
+/// One session at a time. Frames of another one begin a new map when the one before has ended, or nothing was heard of
+/// it for some seconds; its results are then saved to session-<id>/ within the output folder.
 class TrackerService : public service::Service {
  public:
   TrackerService(service::ServiceContext& context, tracking::TrackerOptions options);
@@ -37,11 +36,14 @@ class TrackerService : public service::Service {
 
   void idle(std::int64_t now_utime) override;
 
-  /// Writes trajectory.txt, states.csv, keyframes.txt and map.ply.
+  /// Writes trajectory.txt, states.csv, keyframes.txt and map.ply of the session being tracked.
   base::Status save() override;
 
  private:
   void on_features(const features::FrameFeatures& frame);
+  /// Makes it the session being tracked, unless another one goes on. Whether it is.
+  bool enter_session(std::int64_t id);
+  void leave_session();
   void on_graph_update(const egraph::GraphUpdate& update);
   void on_graph_snapshot(const egraph::GraphSnapshot& part);
   void on_restore_request(const messages::GraphRequest& request);
@@ -66,6 +68,7 @@ class TrackerService : public service::Service {
   base::Status replay(const transport::LogEvent& event);
   template <typename T>
   void note(const char* channel, const T& value);
+  void stop_journal(const base::Error& error);
   void say(const Answer& news);
   void answer(const tracking::PoseEstimate& estimate);
   void acknowledge(std::int64_t sequence);
@@ -74,19 +77,11 @@ class TrackerService : public service::Service {
   [[nodiscard]] bool waits_for_graph() const;
 
   service::ServiceContext& context_;
-  tracking::Tracker tracker_;
-  egraph::SnapshotAssembler snapshot_;
-  TrackRecord record_;
+  tracking::TrackerOptions options_;
+  TrackedSession session_;
+  std::deque<std::int64_t> former_sessions_;
   std::optional<service::Journal> journal_;
-  std::int64_t session_ = 0;
-  std::int64_t next_sequence_ = 0;
-  std::map<std::int64_t, features::FrameFeatures> waiting_;          ///< by sequence
-  std::map<std::int64_t, tracking::PoseEstimate> answered_;          ///< recent ones, for frames that come again
-  std::deque<egraph::Keyframe> unconfirmed_;                         ///< announced, no update yet
-  std::optional<tracking::PoseEstimate> held_answer_;                ///< to a keyframe: the graph's update comes first
-  std::map<std::int64_t, tracking::PoseEstimate> keyframe_answers_;  ///< all, by keyframe
-  std::optional<egraph::Keyframe> newest_keyframe_;                  ///< announced once a second in real time
-  CorrectionRecord corrections_;
+  std::int64_t now_utime_ = 0;  ///< as idle() was told last
   std::int64_t last_digest_utime_ = 0;
   std::int64_t last_announcement_utime_ = 0;
 };

@@ -240,6 +240,51 @@ TEST(TrackerService, RefusesFramesOfAnotherSession) {
   EXPECT_EQ(rig.order(), numbers(2));
 }
 
+TEST(TrackerService, AnotherSessionBeginsANewMapWhenTheOneBeforeIsOver) {
+  Rig rig(true);
+  for (std::size_t i = 0; i < 12; ++i) {
+    rig.send_frame(i);
+    rig.answer_keyframes();
+  }
+  FrameFeatures other = frame(0);
+  other.header.session = 7;
+  rig.send(channels::kFeatures, other);
+  EXPECT_EQ(rig.order(), numbers(12)) << "session 1 goes on";
+  rig.send(channels::kEndOfStream, messages::EndOfStream{1, 12, {}});
+  rig.poses->clear();
+  rig.keyframes->clear();
+
+  rig.send(channels::kFeatures, other);
+  ASSERT_EQ(rig.keyframes->size(), 1U);
+  EXPECT_EQ(rig.keyframes->front().header.session, 7);
+  EXPECT_EQ(rig.keyframes->front().id, egraph::KeyframeId{0});
+  egraph::GraphBuilder graph;
+  rig.send(channels::kGraphUpdate, graph.add_keyframe(rig.keyframes->front()).value());
+  EXPECT_EQ(rig.order(), numbers(1));
+  EXPECT_EQ(rig.acknowledged->back().session, 7);
+
+  rig.send_frame(3);
+  EXPECT_EQ(rig.order(), numbers(1)) << "a late frame of session 1 does not bring it back";
+  EXPECT_TRUE(std::filesystem::exists(rig.folder() / "session-1" / "trajectory.txt"));
+  ASSERT_TRUE(rig.save().has_value());
+  EXPECT_TRUE(std::filesystem::exists(rig.folder() / "trajectory.txt"));
+}
+
+TEST(TrackerService, AnotherSessionBeginsWhenNothingIsHeardOfTheOneBefore) {
+  Rig rig(false);
+  FrameFeatures other = frame(0);
+  other.header.session = 7;
+  rig.idle(1'000'000);
+  rig.send_frame(0);
+  rig.idle(2'000'000);
+  rig.send(channels::kFeatures, other);
+  EXPECT_EQ(rig.poses->size(), 1U) << "a pause, no end";
+  rig.idle(4'000'000);
+  rig.send(channels::kFeatures, other);
+  ASSERT_EQ(rig.poses->size(), 2U);
+  EXPECT_EQ(rig.poses->back().header.session, 7);
+}
+
 TEST(TrackerService, SurvivesNonsense) {
   Rig rig(true);
   for (const char* channel :
