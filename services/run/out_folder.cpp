@@ -11,7 +11,8 @@ constexpr std::array kResultFiles = {"trajectory.txt",    "states.csv",        "
                                      "map.ply",           "mesh.ply",          "mesh.vdb",          "status.json",
                                      "groundtruth.txt",   "picture.png",       "log.txt",           "run.lcm",
                                      "report.html",       "report_mesh_0.png", "report_mesh_1.png", "report_mesh_2.png",
-                                     "report_mesh_3.png", "graph-1.journal",   "mapper.journal",    "tracker.journal"};
+                                     "report_mesh_3.png", "graph-1.journal",   "mapper.journal",    "tracker.journal",
+                                     "settings.yaml"};
 
 }  // namespace
 

@@ -16,6 +16,19 @@ base::Status run_to_end(const std::vector<std::string>& words, const std::filesy
   return *exit_code == 0 ? base::Status{} : base::fail(failure + "; log.txt says why");
 }
 
+/// What every service says is in force; they read the configuration that the run has put into the environment. The file
+/// is a configuration itself.
+base::Status write_settings(const std::filesystem::path& programs, const std::filesystem::path& file) {
+  std::filesystem::remove(file);
+  for (const char* service :
+       {"egraph-frame-source", "egraph-feature-extractor", "egraph-tracker", "egraph-server", "egraph-mapper"}) {
+    const auto exit_code = procman::run_program({(programs / service).string(), "--print-config"}, file);
+    if (!exit_code) return base::fail(exit_code.error().message);
+    if (*exit_code != 0) return base::fail(std::string(service) + " does not say what it is configured with");
+  }
+  return {};
+}
+
 }  // namespace
 
 base::Status draw_picture(const std::filesystem::path& egraph_eval, const std::filesystem::path& out,
@@ -34,13 +47,15 @@ base::Status draw_picture(const std::filesystem::path& egraph_eval, const std::f
   return run_to_end(words, out, "no picture could be drawn");
 }
 
-base::Status write_report_page(const std::filesystem::path& egraph_eval, const std::filesystem::path& out,
-                               const Input& input, const std::filesystem::path& config) {
-  std::vector<std::string> words = {egraph_eval.string(), "report", out.string()};
+base::Status write_report_page(const std::filesystem::path& programs, const std::filesystem::path& out,
+                               const Input& input) {
+  const std::filesystem::path settings = out / "settings.yaml";
+  if (const auto written = write_settings(programs, settings); !written) return written;
+  std::vector<std::string> words = {(programs / "egraph-eval").string(), "report", out.string(), "--config",
+                                    settings.string()};
   if (std::filesystem::exists(input.ground_truth)) {
     words.insert(words.end(), {"--groundtruth", input.ground_truth.string()});
   }
-  if (!config.empty()) words.insert(words.end(), {"--config", config.string()});
   if (input.y_up) words.emplace_back("--y-up");
   return run_to_end(words, out, "no report could be written");
 }

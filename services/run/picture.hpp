@@ -12,8 +12,9 @@ namespace eg::run {
 base::Status draw_picture(const std::filesystem::path& egraph_eval, const std::filesystem::path& out,
                           const Input& input);
 
-/// Describes the run in out/report.html with `egraph_eval`. `config`: what the run was configured with; empty: nothing.
-base::Status write_report_page(const std::filesystem::path& egraph_eval, const std::filesystem::path& out,
-                               const Input& input, const std::filesystem::path& config);
+/// Describes the run in out/report.html, with every setting that was in force, which out/settings.yaml then holds too.
+/// `programs`: the folder of egraph-eval and the services.
+base::Status write_report_page(const std::filesystem::path& programs, const std::filesystem::path& out,
+                               const Input& input);
 
 }  // namespace eg::run

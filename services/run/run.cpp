@@ -61,6 +61,8 @@ void set_environment(const RunOptions& options, const Input& input, const std::f
   set_environment("EGRAPH_CONSUMERS", options.mapper ? "tracker,mapper" : "tracker");
   set_environment("EGRAPH_SESSION", std::to_string(input.session));
   set_environment("EGRAPH_LOG_CHANNEL", options.log_channel);
+  set_environment("EGRAPH_GROUND_TRUTH",
+                  input.ground_truth.empty() ? "" : std::filesystem::absolute(input.ground_truth).string());
 }
 
 /// Kills what the sheriff may have left (only if it was itself killed). Returns how many processes there were.
@@ -99,7 +101,7 @@ int conclude(const RunOptions& options, const Input& input, const std::filesyste
     spdlog::warn(picture.error().message);
   }
   if (options.report) {
-    const auto page = write_report_page(own_folder() / "egraph-eval", out, input, options.config);
+    const auto page = write_report_page(own_folder(), out, input);
     if (!page) return report_failure(page.error().message);
   }
   std::puts(summarise(out, session.monitor(), report).c_str());

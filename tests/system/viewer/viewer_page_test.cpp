@@ -192,6 +192,15 @@ TEST_F(ViewerPage, LeavesTheResultAsItIs) {
     EXPECT_TRUE(bytes == test::file_bytes(folder_.path() / "watched" / name)) << name;
   }
 
+  // What was in force is a configuration itself.
+  const std::string settings = test::file_bytes(folder_.path() / "watched/settings.yaml");
+  for (const char* service : {"frame_source:", "feature_extractor:", "tracker:", "egraph_server:", "mapper:"}) {
+    EXPECT_NE(settings.find(service), std::string::npos) << service;
+  }
+  test::Program understood("egraph-tracker",
+                           {"--print-config", "--config", (folder_.path() / "watched/settings.yaml").string()});
+  EXPECT_EQ(understood.wait(20s), 0) << understood.output();
+
   // The report is a page without a server, also on a phone.
   const auto report = browser.open("file://" + (folder_.path() / "watched/report.html").string());
   report->resize(390, 844);
