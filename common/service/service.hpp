@@ -30,6 +30,11 @@ struct ServiceOptions {
   bool lockstep = false;              ///< --lockstep
 };
 
+/// How many messages may wait while a service is busy; what comes then is dropped, so that a slow service costs neither
+/// memory nor ever staler results. State is asked for again, and small messages are repeated or of the newest alone.
+inline constexpr int kStateQueue = 256;
+inline constexpr int kSmallQueue = 1024;
+
 /// What a service is given to work with: typed publish and subscribe, options and status.
 class ServiceContext {
  public:

@@ -26,7 +26,7 @@ std::int64_t now_utime() {
 
 ServiceLoop::ServiceLoop(transport::Bus& bus, ServiceContext& context, Service& service)
     : bus_(bus), context_(context), service_(service), next_status_(steady_clock::now()) {
-  context_.subscribe<messages::Control>(messages::channels::kControl, 0,
+  context_.subscribe<messages::Control>(messages::channels::kControl, kSmallQueue,
                                         [this](const messages::Control& control) { handle_control(control); });
 }
 

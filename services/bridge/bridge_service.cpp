@@ -21,7 +21,6 @@ constexpr std::size_t kMaxItems = 2000;     // of a message: 128 kB
 constexpr std::size_t kMaxObservers = 200;  // edges go to the oldest that saw a landmark: nobody tells more lines apart
 constexpr std::int64_t kRound = 3'000'000;  // microseconds
 constexpr int kPoseQueue = 2;               // the newest counts
-constexpr int kStateQueue = 100;            // what is lost is sent again
 
 /// From axes x right, y down, z forward to x forward, y left, z up.
 const geometry::Pose kBodyFromCamera = {(Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished(),
@@ -56,15 +55,15 @@ LinkCollection::Link link(std::int32_t first, std::int32_t second) {
 BridgeService::BridgeService(service::ServiceContext& context) : context_(context) {
   namespace channels = messages::channels;
   context_.subscribe<tracking::PoseEstimate>(channels::kPose, kPoseQueue, [this](const auto& pose) { on_pose(pose); });
-  context_.subscribe<egraph::Keyframe>(channels::kKeyframe, kStateQueue,
+  context_.subscribe<egraph::Keyframe>(channels::kKeyframe, service::kStateQueue,
                                        [this](const auto& keyframe) { on_keyframe(keyframe); });
-  context_.subscribe<tracking::PoseCorrection>(channels::kPoseCorrection, kStateQueue,
+  context_.subscribe<tracking::PoseCorrection>(channels::kPoseCorrection, service::kStateQueue,
                                                [this](const auto& correction) { on_correction(correction); });
-  context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, kStateQueue,
+  context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, service::kStateQueue,
                                           [this](const auto& update) { on_update(update); });
-  context_.subscribe<mapping::MeshChunk>(channels::kMeshChunk, kStateQueue,
+  context_.subscribe<mapping::MeshChunk>(channels::kMeshChunk, service::kStateQueue,
                                          [this](const auto& chunk) { on_chunk(chunk); });
-  context_.subscribe<egraph::GraphSnapshot>(channels::kGraphSnapshot, kStateQueue,
+  context_.subscribe<egraph::GraphSnapshot>(channels::kGraphSnapshot, service::kStateQueue,
                                             [this](const auto& part) { on_snapshot(part); });
 }
 

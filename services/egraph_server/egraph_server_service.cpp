@@ -33,11 +33,11 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 EGraphServerService::EGraphServerService(service::ServiceContext& context, egraph::GraphBuilderOptions options,
                                          std::filesystem::path state)
     : context_(context), options_(options), state_(std::move(state)) {
-  context_.subscribe<egraph::Keyframe>(messages::channels::kKeyframe, 0,
+  context_.subscribe<egraph::Keyframe>(messages::channels::kKeyframe, service::kStateQueue,
                                        [this](const egraph::Keyframe& keyframe) { on_keyframe(keyframe); });
   context_.subscribe<messages::GraphRequest>(messages::channels::kGraphRequest, 30,
                                              [this](const messages::GraphRequest& request) { on_request(request); });
-  context_.subscribe<egraph::GraphSnapshot>(messages::channels::kRestore, 0,
+  context_.subscribe<egraph::GraphSnapshot>(messages::channels::kRestore, service::kStateQueue,
                                             [this](const egraph::GraphSnapshot& part) { on_restore(part); });
 }
 

@@ -45,13 +45,13 @@ FrameSourceService::FrameSourceService(service::ServiceContext& context, const F
   spdlog::info("{}", input_->description());
   if (context_.options().lockstep) {
     context_.subscribe<messages::Acknowledge>(
-        messages::channels::kAcknowledge, 0, [this](const messages::Acknowledge& acknowledge) {
+        messages::channels::kAcknowledge, service::kSmallQueue, [this](const messages::Acknowledge& acknowledge) {
           if (acknowledge.session != session_) return;
           window_.acknowledge(acknowledge.consumer, acknowledge.sequence, now_utime_);
         });
   } else {
     context_.subscribe<messages::ServiceStatus>(
-        messages::channels::kStatus, 0,
+        messages::channels::kStatus, service::kSmallQueue,
         [this](const messages::ServiceStatus& status) { pacer_.heard_of(status.service); });
     context_.subscribe<messages::ResendRequest>(
         messages::channels::kResend, kRequestQueue, [this](const messages::ResendRequest& request) {

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::int64_t kMaxAhead = 16;        // frames in lockstep; the source sends fewer ahead
 constexpr std::size_t kMaxRecentFrames = 32;  // one second, in real time: what a pose may take
+constexpr int kLockstepFrameQueue = 16;       // more than the source sends ahead, with repetitions
 constexpr int kRealtimeFrameQueue = 8;        // while a keyframe is being fused
 constexpr double kMicroseconds = 1e6;
 constexpr std::size_t kMegabyte = 1'000'000;
@@ -30,16 +31,16 @@ MapperService::MapperService(service::ServiceContext& context, const MapperOptio
       mesh_stream_(static_cast<std::int64_t>(options.mesh_period * kMicroseconds)),
       resume_(options.resume) {
   context_.subscribe<messages::CompressedFrame>(messages::channels::kRgbd,
-                                                context_.options().lockstep ? 0 : kRealtimeFrameQueue,
+                                                context_.options().lockstep ? kLockstepFrameQueue : kRealtimeFrameQueue,
                                                 [this](const messages::CompressedFrame& frame) { on_frame(frame); });
-  context_.subscribe<tracking::PoseEstimate>(messages::channels::kPose, 0,
+  context_.subscribe<tracking::PoseEstimate>(messages::channels::kPose, service::kSmallQueue,
                                              [this](const tracking::PoseEstimate& pose) { on_pose(pose); });
   if (!context_.options().lockstep) {
-    context_.subscribe<egraph::Keyframe>(messages::channels::kKeyframe, 0,
+    context_.subscribe<egraph::Keyframe>(messages::channels::kKeyframe, service::kStateQueue,
                                          [this](const egraph::Keyframe& keyframe) { on_keyframe(keyframe); });
   }
   context_.subscribe<tracking::PoseCorrection>(
-      messages::channels::kPoseCorrection, 0,
+      messages::channels::kPoseCorrection, service::kStateQueue,
       [this](const tracking::PoseCorrection& correction) { on_correction(correction); });
   context_.subscribe<messages::MeshRequest>(messages::channels::kMeshRequest, 30,
                                             [this](const messages::MeshRequest& request) {

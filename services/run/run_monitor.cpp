@@ -21,24 +21,25 @@ RunMonitor::RunMonitor(service::ServiceContext& context, Options options, Clock:
     last_heard_[consumer] = now;
   }
   using namespace messages;
-  context.subscribe<Acknowledge>(channels::kAcknowledge, 0, [this](const Acknowledge& acknowledge) {
+  context.subscribe<Acknowledge>(channels::kAcknowledge, service::kSmallQueue, [this](const Acknowledge& acknowledge) {
     const auto known = acknowledged_.find(acknowledge.consumer);
     if (known == acknowledged_.end() || acknowledge.sequence <= known->second) return;
     known->second = acknowledge.sequence;
     last_progress_ = now_;
   });
-  context.subscribe<tracking::PoseEstimate>(channels::kPose, 0, [this](const tracking::PoseEstimate& pose) {
-    if (!tracked_.insert(pose.header.sequence).second) return;
-    poses_ += pose.has_pose ? 1 : 0;
-    keyframes_ += pose.keyframe.valid() ? 1 : 0;
-    tracking_state_ = tracking::to_string(pose.state);
-    last_progress_ = now_;
-  });
-  context.subscribe<EndOfStream>(channels::kEndOfStream, 0, [this](const EndOfStream& end) {
+  context.subscribe<tracking::PoseEstimate>(channels::kPose, service::kSmallQueue,
+                                            [this](const tracking::PoseEstimate& pose) {
+                                              if (!tracked_.insert(pose.header.sequence).second) return;
+                                              poses_ += pose.has_pose ? 1 : 0;
+                                              keyframes_ += pose.keyframe.valid() ? 1 : 0;
+                                              tracking_state_ = tracking::to_string(pose.state);
+                                              last_progress_ = now_;
+                                            });
+  context.subscribe<EndOfStream>(channels::kEndOfStream, service::kSmallQueue, [this](const EndOfStream& end) {
     if (!end_) last_progress_ = now_;
     end_ = end;
   });
-  context.subscribe<ServiceStatus>(channels::kStatus, 0, [this](const ServiceStatus& status) {
+  context.subscribe<ServiceStatus>(channels::kStatus, service::kSmallQueue, [this](const ServiceStatus& status) {
     statuses_[status.service] = status;
     last_heard_[status.service] = now_;
   });

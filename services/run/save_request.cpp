@@ -12,7 +12,7 @@ constexpr std::chrono::milliseconds kAskAgain{500};
 SaveRequest::SaveRequest(service::ServiceContext& context, std::int64_t request_id)
     : context_(context), request_id_(request_id) {
   context.subscribe<messages::ControlReply>(
-      messages::channels::kControlReply, 0, [this](const messages::ControlReply& reply) {
+      messages::channels::kControlReply, service::kSmallQueue, [this](const messages::ControlReply& reply) {
         if (reply.request_id != request_id_ || waiting_for_.erase(reply.service) == 0) return;
         if (!reply.ok) failures_[reply.service] = reply.message;
       });

@@ -17,7 +17,7 @@ namespace {
 /// Answers kept for frames that the source sends again; more than the source's lockstep window.
 constexpr std::size_t kAnswersKept = 32;
 /// Frames that may wait in lockstep. The source's window is smaller; more is somebody else's traffic.
-constexpr std::size_t kMaxWaiting = 64;
+constexpr int kMaxWaiting = 64;
 /// An announced keyframe is announced again after this long (microseconds): a datagram was lost, or the server
 /// restarts.
 constexpr std::int64_t kAnnouncementPeriod = 300'000;
@@ -39,13 +39,13 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 TrackerService::TrackerService(service::ServiceContext& context, tracking::TrackerOptions options)
     : context_(context), options_(options), session_(0, options) {
-  const int capacity = context_.options().lockstep ? 0 : 2;
+  const int capacity = context_.options().lockstep ? kMaxWaiting : 2;
   context_.subscribe<features::FrameFeatures>(messages::channels::kFeatures, capacity,
                                               [this](const features::FrameFeatures& frame) { on_features(frame); });
-  context_.subscribe<egraph::GraphUpdate>(messages::channels::kGraphUpdate, 0,
+  context_.subscribe<egraph::GraphUpdate>(messages::channels::kGraphUpdate, service::kStateQueue,
                                           [this](const egraph::GraphUpdate& update) { on_graph_update(update); });
   context_.subscribe<egraph::GraphSnapshot>(
-      messages::channels::kGraphSnapshot, 0,
+      messages::channels::kGraphSnapshot, service::kStateQueue,
       [this](const egraph::GraphSnapshot& snapshot) { on_graph_snapshot(snapshot); });
   context_.subscribe<messages::GraphRequest>(
       messages::channels::kRestoreRequest, 2,
@@ -70,7 +70,7 @@ void TrackerService::on_features(const features::FrameFeatures& frame) {
       session_.held_answer ? session_.held_answer->header.sequence : session_.next_sequence;
   if (frame.header.sequence < first_unanswered) return acknowledge(first_unanswered - 1);  // of a source started anew
   if (frame.header.sequence < session_.next_sequence) return;
-  if (session_.waiting.size() >= kMaxWaiting) return;
+  if (session_.waiting.size() >= std::size_t{kMaxWaiting}) return;
   session_.waiting.emplace(frame.header.sequence, frame);
   track_waiting_frames();
 }

@@ -74,24 +74,28 @@ void ViewerService::subscribe() {
                                                 [this](const messages::CompressedFrame& frame) { recent_.add(frame); });
   context_.subscribe<features::FrameFeatures>(channels::kFeatures, kStreamQueue,
                                               [this](const features::FrameFeatures& frame) { on_features(frame); });
-  context_.subscribe<tracking::PoseEstimate>(channels::kPose, 0,
+  context_.subscribe<tracking::PoseEstimate>(channels::kPose, service::kSmallQueue,
                                              [this](const tracking::PoseEstimate& pose) { on_pose(pose); });
-  context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, 0, [this](const egraph::GraphUpdate& update) {
-    if (is_shown(update.session)) graph_incomplete_ = !graph_.apply(update);
-  });
-  context_.subscribe<egraph::GraphSnapshot>(channels::kGraphSnapshot, 0, [this](const egraph::GraphSnapshot& graph) {
-    if (is_shown(graph.session) && graph_.apply(graph)) graph_incomplete_ = false;
-  });
-  context_.subscribe<tracking::PoseCorrection>(channels::kPoseCorrection, 0,
+  context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, service::kStateQueue,
+                                          [this](const egraph::GraphUpdate& update) {
+                                            if (is_shown(update.session)) graph_incomplete_ = !graph_.apply(update);
+                                          });
+  context_.subscribe<egraph::GraphSnapshot>(channels::kGraphSnapshot, service::kStateQueue,
+                                            [this](const egraph::GraphSnapshot& graph) {
+                                              if (is_shown(graph.session) && graph_.apply(graph))
+                                                graph_incomplete_ = false;
+                                            });
+  context_.subscribe<tracking::PoseCorrection>(channels::kPoseCorrection, service::kStateQueue,
                                                [this](const tracking::PoseCorrection& correction) {
                                                  if (is_shown(correction.session)) graph_.apply(correction);
                                                });
-  context_.subscribe<mapping::MeshChunk>(channels::kMeshChunk, 0, [this](const mapping::MeshChunk& chunk) {
-    if (!is_shown(chunk.session)) return;
-    if (mesh_state_ == Mesh::asked_for) mesh_state_ = Mesh::coming;
-    check(mesh_.add(chunk));
-  });
-  context_.subscribe<messages::ServiceStatus>(channels::kStatus, 0,
+  context_.subscribe<mapping::MeshChunk>(channels::kMeshChunk, service::kStateQueue,
+                                         [this](const mapping::MeshChunk& chunk) {
+                                           if (!is_shown(chunk.session)) return;
+                                           if (mesh_state_ == Mesh::asked_for) mesh_state_ = Mesh::coming;
+                                           check(mesh_.add(chunk));
+                                         });
+  context_.subscribe<messages::ServiceStatus>(channels::kStatus, service::kSmallQueue,
                                               [this](const messages::ServiceStatus& status) { on_status(status); });
 }
 
