@@ -81,6 +81,12 @@ int report_failure(const std::string& why) {
   return 1;
 }
 
+/// The tracker's: 130 kB for every frame, and nobody goes on with a run that is complete.
+void remove_journal(const std::filesystem::path& out) {
+  std::error_code ignored;
+  std::filesystem::remove(out / "tracker.journal", ignored);
+}
+
 /// After the run, whatever became of it.
 int conclude(const RunOptions& options, const Input& input, const std::filesystem::path& out, const Session& session,
              double wall_seconds) {
@@ -89,6 +95,7 @@ int conclude(const RunOptions& options, const Input& input, const std::filesyste
   report.result = session.interrupted() ? "interrupted" : report.failure.empty() ? "complete" : "failed";
   report.wall_seconds = wall_seconds;
   report.processing_seconds = session.processing_seconds();
+  if (report.result == "complete") remove_journal(out);
   if (const auto errors = evaluate(out, input); errors) {
     report.errors = *errors;
   } else if (report.failure.empty()) {
