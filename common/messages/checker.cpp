@@ -41,6 +41,11 @@ void Checker::index_or_none(const Path& path, std::int64_t value, std::size_t si
   in_range(path, value, -1, static_cast<std::int64_t>(size) - 1);
 }
 
+void Checker::pixel(const Path& path, const Eigen::Vector2d& pixel) {
+  finite(path, pixel);
+  require(pixel.cwiseAbs().maxCoeff() <= kMaxPixel, path, "is far outside any image");
+}
+
 void Checker::unit_vector(const Path& path, const Eigen::Vector3d& vector) {
   finite(path, vector);
   require(std::abs(vector.norm() - 1) <= kUnitTolerance, path, "is no unit vector");

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/base/result.hpp"
+#include "common/messages/limits.hpp"
 
 namespace eg::messages {
 
@@ -43,6 +44,14 @@ class Checker {
   void finite(const Path& path, const Eigen::MatrixBase<Derived>& values) {
     require(values.array().isFinite().all(), path, "is not finite");
   }
+  /// Positions and distances in metres.
+  template <typename Derived>
+  void length(const Path& path, const Eigen::MatrixBase<Derived>& values) {
+    finite(path, values);
+    require(values.cwiseAbs().maxCoeff() <= kMaxLength, path, "is farther than 10 km");
+  }
+  void length(const Path& path, double value) { length(path, Eigen::Matrix<double, 1, 1>(value)); }
+  void pixel(const Path& path, const Eigen::Vector2d& pixel);
   void unit_vector(const Path& path, const Eigen::Vector3d& vector);
   void rotation(const Path& path, const Eigen::Matrix3d& matrix);
 

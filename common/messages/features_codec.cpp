@@ -39,10 +39,12 @@ static PointFeature read(const egraph_msgs::point_t& wire, const Path& path, Che
   point.track_id = wire.track_id;
   std::copy(std::begin(wire.descriptor), std::end(wire.descriptor), point.descriptor.begin());
 
-  check.finite(path("pixel"), point.pixel);
+  check.pixel(path("pixel"), point.pixel);
   check.positive(path("pixel_sigma"), point.pixel_sigma);
   check.not_negative(path("depth"), point.depth);
+  check.length(path("depth"), point.depth);
   check.not_negative(path("depth_sigma"), point.depth_sigma);
+  check.require(!point.has_depth() || point.depth_sigma > 0.0, path("depth_sigma"), "is zero beside a depth");
   check.finite(path("angle"), point.angle);
   check.in_range(path("octave"), point.octave, 0, kMaxPyramidLevel);
   check.in_range(path("track_id"), point.track_id, -1, INT32_MAX);
@@ -77,10 +79,12 @@ static LineFeature read(const egraph_msgs::line_t& wire, const Path& path, Check
   line.track_id = wire.track_id;
   std::copy(std::begin(wire.descriptor), std::end(wire.descriptor), line.descriptor.begin());
 
-  check.finite(path("start_pixel"), line.start_pixel);
-  check.finite(path("end_pixel"), line.end_pixel);
-  check.finite(path("start"), line.start);
-  check.finite(path("end"), line.end);
+  check.pixel(path("start_pixel"), line.start_pixel);
+  check.pixel(path("end_pixel"), line.end_pixel);
+  check.require(line.start_pixel != line.end_pixel, path("end_pixel"), "is the start of the line, too");
+  check.length(path("start"), line.start);
+  check.length(path("end"), line.end);
+  check.require(!line.has_depth || line.start != line.end, path("end"), "is the start of the line, too");
   check.in_range(path("track_id"), line.track_id, -1, INT32_MAX);
   return line;
 }
@@ -93,7 +97,7 @@ static egraph_msgs::hull_point_t write(const Eigen::Vector3d& point) {
 
 static Eigen::Vector3d read(const egraph_msgs::hull_point_t& wire, const Path& path, Checker& check) {
   const Eigen::Vector3d point = read_vector(wire.position);
-  check.finite(path("position"), point);
+  check.length(path("position"), point);
   return point;
 }
 
@@ -117,7 +121,8 @@ static PlaneFeature read(const egraph_msgs::plane_t& wire, const Path& path, Che
   plane.support = read_count(wire.support, path("support"), check);
   check.unit_vector(path("normal"), plane.plane.normal);
   check.positive(path("distance"), plane.plane.distance);
-  check.finite(path("centroid"), plane.centroid);
+  check.length(path("distance"), plane.plane.distance);
+  check.length(path("centroid"), plane.centroid);
   return plane;
 }
 

@@ -24,6 +24,10 @@ inline constexpr int kMaxPyramidLevel = 63;
 inline constexpr int kMaxResendNumbers = 64;       ///< messages asked for at once
 inline constexpr int kMaxSkippedFrames = 100'000;  ///< frames of a recording that could not be read
 
+/// Bound on positions and distances, metres: no building is larger, and cells of a centimetre still count in 32 bits.
+inline constexpr double kMaxLength = 10'000.0;
+inline constexpr double kMaxPixel = 1e6;  ///< bound on image coordinates; features may lie outside the image
+
 /// Bound on times, sequence numbers and versions: their differences cannot overflow.
 inline constexpr std::int64_t kMaxCounter = std::int64_t{1} << 60;
 

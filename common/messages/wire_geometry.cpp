@@ -57,7 +57,7 @@ geometry::Pose read(const egraph_msgs::pose_t& wire, const Path& path, Checker& 
   const geometry::Pose pose{Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(wire.rotation),
                             read_vector(wire.translation)};
   check.rotation(path("rotation"), pose.rotation);
-  check.finite(path("translation"), pose.translation);
+  check.length(path("translation"), pose.translation);
   return pose;
 }
 

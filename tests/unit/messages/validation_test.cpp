@@ -22,6 +22,7 @@ features::FrameFeatures some_features() {
   frame.camera = *geometry::find_camera("synthetic");
   frame.points.resize(4);
   frame.lines.resize(2);
+  for (features::LineFeature& line : frame.lines) line.end_pixel = {9, 0};
   frame.planes.resize(2);
   for (features::PlaneFeature& plane : frame.planes) plane.plane.distance = 1.0;
   frame.directions.resize(3);
@@ -84,6 +85,37 @@ TEST(Validation, RefusesNegativeSigmas) {
   frame = some_features();
   frame.points[1].pixel_sigma = 0;
   EXPECT_EQ(complaint(frame), "field 'points[1].pixel_sigma' is not positive");
+}
+
+TEST(Validation, RefusesWhatWouldDivideByZero) {
+  auto frame = some_features();
+  frame.points[2].depth = 1.0;
+  frame.points[2].depth_sigma = 0.0;
+  EXPECT_EQ(complaint(frame), "field 'points[2].depth_sigma' is zero beside a depth");
+
+  frame = some_features();
+  frame.lines[1].end_pixel = frame.lines[1].start_pixel;
+  EXPECT_EQ(complaint(frame), "field 'lines[1].end_pixel' is the start of the line, too");
+
+  frame = some_features();
+  frame.lines[0].has_depth = true;
+  frame.lines[0].start = frame.lines[0].end = {1, 2, 3};
+  EXPECT_EQ(complaint(frame), "field 'lines[0].end' is the start of the line, too");
+}
+
+TEST(Validation, RefusesPlacesOutsideAnyBuilding) {
+  auto frame = some_features();
+  frame.points[1].depth = 1e300;
+  frame.points[1].depth_sigma = 1.0;
+  EXPECT_EQ(complaint(frame), "field 'points[1].depth' is farther than 10 km");
+
+  frame = some_features();
+  frame.points[0].pixel = {0, -1e9};
+  EXPECT_EQ(complaint(frame), "field 'points[0].pixel' is far outside any image");
+
+  auto keyframe = some_keyframe();
+  keyframe.world_from_camera.translation.z() = 1e12;
+  EXPECT_EQ(complaint(keyframe), "field 'world_from_camera.translation' is farther than 10 km");
 }
 
 TEST(Validation, RefusesDirectionsThatAreNoUnitVectors) {
