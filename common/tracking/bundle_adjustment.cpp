@@ -132,12 +132,13 @@ class BundleProblem {
 
   void add_points() {
     for (std::size_t i = 0; i < window_.points.size(); ++i) {
-      Eigen::Map<Eigen::Vector3d>{point(i)} = map_.point(window_.points[i]).position;
-      add_landmark<PointView>(
-          point(i), map_.observers(window_.points[i]), [this](const MapKeyframe& keyframe, auto seen) {
-            return PointView{observed_point(keyframe.features.points[seen], sharing_depth_error(keyframe.id)[seen]),
-                             &keyframe.features.camera};
-          });
+      const MapPoint& in_map = map_.point(window_.points[i]);
+      Eigen::Map<Eigen::Vector3d>{point(i)} = in_map.position;
+      add_landmark<PointView>(point(i), map_.observers(in_map.id), [&](const MapKeyframe& keyframe, auto seen) {
+        return PointView{observed_point(keyframe.features.points[seen], in_map.position,
+                                        keyframe.world_from_camera.inverse(), sharing_depth_error(keyframe.id)[seen]),
+                         &keyframe.features.camera};
+      });
     }
   }
 
@@ -146,8 +147,11 @@ class BundleProblem {
     for (std::size_t i = 0; i < window_.lines.size(); ++i) {
       const MapLine& in_map = map_.line(window_.lines[i]);
       const LineChart* chart = &charts_.emplace_back(in_map.start, in_map.end);
-      add_landmark<LineView>(line(i), map_.observers(window_.lines[i]), [&](const MapKeyframe& keyframe, auto seen) {
-        return LineView{observed_line(keyframe.features.lines[seen]), chart, &keyframe.features.camera};
+      add_landmark<LineView>(line(i), map_.observers(in_map.id), [&](const MapKeyframe& keyframe, auto seen) {
+        const geometry::CameraModel& camera = keyframe.features.camera;
+        return LineView{observed_line(keyframe.features.lines[seen], in_map.start, in_map.end, camera,
+                                      keyframe.world_from_camera.inverse()),
+                        chart, &camera};
       });
     }
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/tracking/frame_problem.hpp"
+#include "common/tracking/segment_error.hpp"
 
 namespace eg::tracking {
 namespace {
@@ -14,6 +15,10 @@ constexpr double kNormalFloor = kPlaneHeightFloor / 1.0;
 
 /// Edge of a patch, pixels: the lens and calibration residuals of a depth camera change over such lengths.
 constexpr double kPatchPixels = 80.0;
+
+/// 95 % quantiles of chi² with one and two degrees of freedom.
+constexpr double kChi2One = 3.84;
+constexpr double kChi2Two = 5.99;
 
 }  // namespace
 
@@ -33,29 +38,40 @@ std::vector<int> points_in_same_patch(const features::FrameFeatures& frame) {
   return sharing;
 }
 
-PointFactor observed_point(const features::PointFeature& feature, int sharing_depth_error) {
+PointFactor observed_point(const features::PointFeature& feature, const Eigen::Vector3d& point_in_world,
+                           const geometry::Pose& camera_from_world, int sharing_depth_error) {
   PointFactor seen;
-  seen.point_in_world.setZero();
+  seen.point_in_world = point_in_world;
   seen.pixel = feature.pixel;
   seen.pixel_sigma = feature.pixel_sigma;
+  const double beyond = ((camera_from_world * point_in_world).z() - feature.depth) / feature.depth_sigma;
+  if (!feature.has_depth() || beyond * beyond > kChi2One) return seen;
   seen.depth = feature.depth;
   seen.depth_sigma = feature.depth_sigma * std::sqrt(static_cast<double>(std::max(1, sharing_depth_error)));
   return seen;
 }
 
-LineObservation observed_line(const features::LineFeature& feature) {
+LineObservation observed_line(const features::LineFeature& feature, const Eigen::Vector3d& start_in_world,
+                              const Eigen::Vector3d& end_in_world, const geometry::CameraModel& camera,
+                              const geometry::Pose& camera_from_world) {
   LineObservation seen;
   seen.image_line = image_line(feature);
-  seen.pixel_sigma = kLinePixelSigma;
-  seen.has_depth = feature.has_depth;
+  seen.image_whitener =
+      whitener(image_line_covariance(feature, camera, camera_from_world, start_in_world, end_in_world));
   if (!feature.has_depth) return seen;
-  const Eigen::Vector3d middle = 0.5 * (feature.start + feature.end);
   const Eigen::Vector3d along = (feature.end - feature.start).normalized();
-  const Eigen::Vector3d sideways = middle.cross(along).normalized();  // normal of the plane of line and camera centre
-  seen.point_in_camera = middle;
+  const Eigen::Vector3d sideways = feature.start.cross(along).normalized();  // of the plane of line and camera centre
+  seen.point_in_camera = feature.start;
   seen.inwards = along.cross(sideways);
-  const Eigen::Matrix3d covariance = 0.5 * (feature.start_covariance + feature.end_covariance);
-  seen.inwards_sigma = std::sqrt(seen.inwards.dot(covariance * seen.inwards) + kPlaneHeightFloor * kPlaneHeightFloor);
+  const Eigen::Vector3d start = camera_from_world * start_in_world;
+  const Eigen::Vector3d end = camera_from_world * end_in_world;
+  const Eigen::Vector2d places(place_along(feature.start, feature.end, start),
+                               place_along(feature.start, feature.end, end));
+  seen.inwards_whitener = whitener(covariance_along(seen.inwards.dot(feature.start_covariance * seen.inwards),
+                                                    seen.inwards.dot(feature.end_covariance * seen.inwards), places) +
+                                   kPlaneHeightFloor * kPlaneHeightFloor * Eigen::Matrix2d::Identity());
+  const Eigen::Vector2d beyond(seen.inwards.dot(start - feature.start), seen.inwards.dot(end - feature.start));
+  seen.has_depth = (seen.inwards_whitener * beyond).squaredNorm() <= kChi2Two;
   return seen;
 }
 

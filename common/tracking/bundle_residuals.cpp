@@ -41,7 +41,7 @@ BundleResidual<4, 4> bundle_line_residual(const LineObservation& seen, const Lin
                                           const Eigen::Vector4d& offsets, const geometry::CameraModel& camera,
                                           const Pose& camera_from_world) {
   BundleResidual<4, 4> at;
-  const LineFactor factor{chart.start_at(offsets), chart.end_at(offsets), seen.image_line, seen.pixel_sigma};
+  const LineFactor factor{chart.start_at(offsets), chart.end_at(offsets), seen.image_line, Eigen::Matrix2d::Identity()};
   const LineResidual residual = line_residual(factor, camera, camera_from_world);
   if (!residual.in_front) return at;
   at.value.head<2>() = residual.distances;
@@ -49,15 +49,18 @@ BundleResidual<4, 4> bundle_line_residual(const LineObservation& seen, const Lin
   if (seen.has_depth) {
     const Eigen::Vector3d ends[2] = {camera_from_world * factor.start_in_world,
                                      camera_from_world * factor.end_in_world};
-    const Eigen::Vector3d weighted = seen.inwards / seen.inwards_sigma;
     for (int i = 0; i < 2; ++i) {
-      at.value[2 + i] = weighted.dot(ends[i] - seen.point_in_camera);
-      at.by_pose.row(2 + i) << ends[i].cross(weighted).transpose(), weighted.transpose();
+      at.value[2 + i] = seen.inwards.dot(ends[i] - seen.point_in_camera);
+      at.by_pose.row(2 + i) << ends[i].cross(seen.inwards).transpose(), seen.inwards.transpose();
     }
   }
   const Eigen::Matrix<double, 4, 2> by_end = by_world_point<4>(at.by_pose, camera_from_world) * chart.across;
   for (int i = 0; i < 4; ++i) at.by_landmark.block<1, 2>(i, 2 * (i % 2)) = by_end.row(i);
-  return at;
+
+  Eigen::Matrix4d whitener = Eigen::Matrix4d::Zero();
+  whitener.topLeftCorner<2, 2>() = seen.image_whitener;
+  whitener.bottomRightCorner<2, 2>() = seen.inwards_whitener;
+  return {whitener * at.value, whitener * at.by_pose, whitener * at.by_landmark};
 }
 
 BundleResidual<3, 3> bundle_plane_residual(const PlaneObservation& seen, const geometry::Plane& plane_in_world,

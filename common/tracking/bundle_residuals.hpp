@@ -41,12 +41,12 @@ struct LineChart {
 
 /// A segment seen in the image and, where it has depth, in space.
 struct LineObservation {
-  Eigen::Vector3d image_line = Eigen::Vector3d::UnitX();  ///< as LineFactor
-  double pixel_sigma = 1.0;
+  Eigen::Vector3d image_line = Eigen::Vector3d::UnitX();         ///< as LineFactor
+  Eigen::Matrix2d image_whitener = Eigen::Matrix2d::Identity();  ///< as LineFactor
   bool has_depth = false;
   Eigen::Vector3d point_in_camera = Eigen::Vector3d::Zero();  ///< any point of the measured line
   Eigen::Vector3d inwards = Eigen::Vector3d::UnitZ();  ///< across the line, within the plane of line and camera centre
-  double inwards_sigma = 1.0;                          ///< metres
+  Eigen::Matrix2d inwards_whitener = Eigen::Matrix2d::Identity();  ///< of the landmark's ends' distances along it
 };
 
 /// Distances in the image of both end points from the seen line, and their distances in space along `inwards`, which

@@ -3,10 +3,15 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "common/tracking/segment_error.hpp"
+
 namespace eg::tracking {
 namespace {
 
 using geometry::Pose;
+
+/// Floor (0.1 pixels squared): what was seen of a line that points at the camera is one place only.
+constexpr double kMinImageVariance = 0.01;
 
 /// Variance in the image (pixels²) that the covariance of a point makes at its place.
 double image_variance(const Eigen::Matrix3d& covariance_in_camera, double depth, const geometry::CameraModel& camera) {
@@ -14,11 +19,31 @@ double image_variance(const Eigen::Matrix3d& covariance_in_camera, double depth,
   return lateral * camera.fx * camera.fx / (depth * depth);
 }
 
+double end_image_variance(const Eigen::Vector3d& end_in_world, const Eigen::Matrix3d& covariance_in_world,
+                          const Pose& camera_from_world, const geometry::CameraModel& camera) {
+  const Eigen::Matrix3d& rotation = camera_from_world.rotation;
+  const double depth = std::max(0.1, (camera_from_world * end_in_world).z());
+  return image_variance(rotation * covariance_in_world * rotation.transpose(), depth, camera);
+}
+
 }  // namespace
 
 Eigen::Vector3d image_line(const features::LineFeature& line) {
   const Eigen::Vector3d crossing = line.start_pixel.homogeneous().cross(line.end_pixel.homogeneous());
   return crossing / crossing.head<2>().norm();
+}
+
+Eigen::Matrix2d image_line_covariance(const features::LineFeature& line, const geometry::CameraModel& camera,
+                                      const Pose& camera_from_world, const Eigen::Vector3d& start_in_world,
+                                      const Eigen::Vector3d& end_in_world) {
+  const auto place_of = [&](const Eigen::Vector3d& in_camera) {
+    if (in_camera.z() <= kNearestProjection) return 0.0;  // such a line has no residual
+    return place_along(line.start_pixel, line.end_pixel, camera.project(in_camera));
+  };
+  const Eigen::Vector2d places(place_of(camera_from_world * start_in_world),
+                               place_of(camera_from_world * end_in_world));
+  constexpr double kVariance = kLinePixelSigma * kLinePixelSigma;
+  return covariance_along(kVariance, kVariance, places) + kMinImageVariance * Eigen::Matrix2d::Identity();
 }
 
 std::vector<PointFactor> point_factors(const features::FrameFeatures& frame, const Map& map,
@@ -50,12 +75,12 @@ std::vector<LineFactor> line_factors(const features::FrameFeatures& frame, const
   for (const LineMatch& match : matches) {
     const features::LineFeature& feature = frame.lines[static_cast<std::size_t>(match.feature)];
     const MapLine& line = map.line(match.id);
-    const Eigen::Matrix3d covariance = 0.5 * camera_from_world.rotation *
-                                       (line.start_covariance + line.end_covariance) *
-                                       camera_from_world.rotation.transpose();
-    const double depth = std::max(0.1, (camera_from_world * (0.5 * (line.start + line.end))).z());
-    factors.push_back({line.start, line.end, image_line(feature),
-                       std::sqrt(kLinePixelSigma * kLinePixelSigma + image_variance(covariance, depth, frame.camera))});
+    const Eigen::Vector2d map_variance(
+        end_image_variance(line.start, line.start_covariance, camera_from_world, frame.camera),
+        end_image_variance(line.end, line.end_covariance, camera_from_world, frame.camera));
+    const Eigen::Matrix2d seen = image_line_covariance(feature, frame.camera, camera_from_world, line.start, line.end);
+    const Eigen::Matrix2d covariance = seen + map_variance.asDiagonal().toDenseMatrix();
+    factors.push_back({line.start, line.end, image_line(feature), whitener(covariance)});
   }
   return factors;
 }

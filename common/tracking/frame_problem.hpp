@@ -9,13 +9,19 @@
 
 namespace eg::tracking {
 
-/// Error (pixels) with which a segment's detector places its end points across the segment.
+/// Error (pixels) with which a segment's detector places each of its end points across the segment.
 inline constexpr double kLinePixelSigma = 1.0;
 /// What calibration and warped depth leave between two views of one plane (metres).
 inline constexpr double kPlaneHeightFloor = 0.003;
 
 /// The image line through a segment: a u + b v + c = 0 in pixels, a² + b² = 1.
 Eigen::Vector3d image_line(const features::LineFeature& line);
+
+/// Covariance (pixels²) of the distances from that line where the start and the end of the landmark are projected to.
+/// Little of a line may be seen, and beyond the seen part the error grows.
+Eigen::Matrix2d image_line_covariance(const features::LineFeature& line, const geometry::CameraModel& camera,
+                                      const geometry::Pose& camera_from_world, const Eigen::Vector3d& start_in_world,
+                                      const Eigen::Vector3d& end_in_world);
 
 /// The factors of matched points, with the uncertainty of the map added to that of the measurement.
 std::vector<PointFactor> point_factors(const features::FrameFeatures& frame, const Map& map,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/geometry/depth_noise.hpp"
+#include "common/tracking/segment_error.hpp"
 
 namespace eg::tracking {
 namespace {
@@ -63,11 +64,6 @@ void fuse_position(Eigen::Vector3d& position, Eigen::Matrix3d& covariance, const
   position += gain * (measured - position);
   const Eigen::Matrix3d posterior = (Eigen::Matrix3d::Identity() - gain) * covariance;
   covariance = 0.5 * (posterior + posterior.transpose()) + kMinVariance * Eigen::Matrix3d::Identity();
-}
-
-Eigen::Vector3d closest_on_line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d direction = (b - a).normalized();
-  return a + direction.dot(point - a) * direction;
 }
 
 template <typename MapId>
@@ -150,9 +146,13 @@ void Map::add_lines(MapKeyframe& keyframe) {
     // End points slide along a line from view to view: only the part across the line is a measurement of them.
     const Eigen::Vector3d a = pose * feature.start;
     const Eigen::Vector3d b = pose * feature.end;
-    fuse_position(line.start, line.start_covariance, closest_on_line(a, b, line.start),
-                  in_world(feature.start_covariance));
-    fuse_position(line.end, line.end_covariance, closest_on_line(a, b, line.end), in_world(feature.end_covariance));
+    const auto fuse_end = [&](Eigen::Vector3d& end, Eigen::Matrix3d& covariance) {
+      const double place = place_along(a, b, end);
+      fuse_position(end, covariance, a + place * (b - a),
+                    in_world(variance_along(feature.start_covariance, feature.end_covariance, place)));
+    };
+    fuse_end(line.start, line.start_covariance);
+    fuse_end(line.end, line.end_covariance);
   }
   for (std::size_t i = 0; i < matched.size(); ++i) {
     const LineFeature& feature = keyframe.features.lines[i];

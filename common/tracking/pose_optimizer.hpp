@@ -9,6 +9,9 @@
 
 namespace eg::tracking {
 
+/// Points nearer than this (metres) have no usable projection.
+inline constexpr double kNearestProjection = 0.05;
+
 using egraph::Matrix6d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
@@ -26,7 +29,8 @@ struct LineFactor {
   Eigen::Vector3d start_in_world;
   Eigen::Vector3d end_in_world;
   Eigen::Vector3d image_line;  ///< a u + b v + c = 0 in pixels, a² + b² = 1
-  double pixel_sigma = 1.0;
+  /// Of the distances (pixels) of the projected start and end from that line.
+  Eigen::Matrix2d whitener = Eigen::Matrix2d::Identity();
 };
 
 /// A map plane seen in the frame: e^pi, the height of the observed region's centroid above the map's plane. The

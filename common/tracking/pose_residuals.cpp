@@ -8,9 +8,6 @@
 namespace eg::tracking {
 namespace {
 
-/// Points nearer than this have no usable projection.
-constexpr double kMinDepth = 0.05;
-
 using PointJacobian = Eigen::Matrix<double, 3, 6>;
 
 /// Of a point in the camera frame with respect to δ.
@@ -45,7 +42,7 @@ PointResidual point_residual(const PointFactor& factor, const geometry::CameraMo
                              const geometry::Pose& pose) {
   PointResidual at;
   const Eigen::Vector3d point = pose * factor.point_in_world;
-  at.in_front = point.z() > kMinDepth;
+  at.in_front = point.z() > kNearestProjection;
   if (!at.in_front) return at;
   const PointJacobian jacobian = transformed_point_jacobian(point);
   at.pixel = (camera.project(point) - factor.pixel) / factor.pixel_sigma;
@@ -59,20 +56,22 @@ PointResidual point_residual(const PointFactor& factor, const geometry::CameraMo
 
 double reprojection_chi2(const PointFactor& factor, const geometry::CameraModel& camera, const geometry::Pose& pose) {
   const Eigen::Vector3d point = pose * factor.point_in_world;
-  if (point.z() <= kMinDepth) return std::numeric_limits<double>::infinity();
+  if (point.z() <= kNearestProjection) return std::numeric_limits<double>::infinity();
   return (camera.project(point) - factor.pixel).squaredNorm() / (factor.pixel_sigma * factor.pixel_sigma);
 }
 
 LineResidual line_residual(const LineFactor& factor, const geometry::CameraModel& camera, const geometry::Pose& pose) {
   LineResidual at;
   const Eigen::Vector3d ends[2] = {pose * factor.start_in_world, pose * factor.end_in_world};
-  at.in_front = ends[0].z() > kMinDepth && ends[1].z() > kMinDepth;
+  at.in_front = ends[0].z() > kNearestProjection && ends[1].z() > kNearestProjection;
   if (!at.in_front) return at;
-  const Eigen::RowVector2d normal = factor.image_line.head<2>().transpose() / factor.pixel_sigma;
+  const Eigen::RowVector2d normal = factor.image_line.head<2>().transpose();
   for (int i = 0; i < 2; ++i) {
-    at.distances[i] = factor.image_line.dot(camera.project(ends[i]).homogeneous()) / factor.pixel_sigma;
+    at.distances[i] = factor.image_line.dot(camera.project(ends[i]).homogeneous());
     at.jacobian.row(i) = normal * projection_jacobian(camera, ends[i]) * transformed_point_jacobian(ends[i]);
   }
+  at.distances = factor.whitener * at.distances;
+  at.jacobian = factor.whitener * at.jacobian;
   return at;
 }
 

@@ -33,6 +33,15 @@ inline geometry::Pose random_pose(base::Random& random, double position = 1.0) {
   return {random_rotation(random), normal_vector(random, position)};
 }
 
+/// A covariance of two numbers with standard deviations between `low` and `high`, correlated in any way.
+inline Eigen::Matrix2d random_covariance(base::Random& random, double low, double high) {
+  const Eigen::Vector2d sigma(random.uniform(low, high), random.uniform(low, high));
+  const double correlation = random.uniform(-0.95, 0.95);
+  Eigen::Matrix2d unit;
+  unit << 1.0, correlation, correlation, 1.0;
+  return sigma.asDiagonal() * unit * sigma.asDiagonal();
+}
+
 /// sigma² (I - d dᵀ): the same uncertainty across the direction on all sides.
 inline Eigen::Matrix3d tangential_covariance(const Eigen::Vector3d& direction, double sigma) {
   return sigma * sigma * (Eigen::Matrix3d::Identity() - direction * direction.transpose());

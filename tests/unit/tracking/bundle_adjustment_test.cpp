@@ -90,6 +90,29 @@ TEST_P(BundleAdjustment, LeavesAnExactMapAlone) {
   EXPECT_LT(worst_shift(map, slam.tracker().map()), 5e-4);
 }
 
+TEST_P(BundleAdjustment, DepthOfTheSurfaceBehindAnEdgePullsNothing) {
+  FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 1,
+                                          test::SensorNoise{.disturb = false});
+  base::Random random(3);
+  for (FrameFeatures& frame : sequence.frames) {
+    for (features::PointFeature& point : frame.points) {
+      if (random.uniform(0.0, 1.0) < 0.1) point.depth *= random.uniform(1.1, 2.0);
+    }
+    for (features::LineFeature& line : frame.lines) {
+      if (random.uniform(0.0, 1.0) > 0.1) continue;
+      const double farther = random.uniform(1.1, 2.0);
+      line.start *= farther;
+      line.end *= farther;
+    }
+  }
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 120; ++i) slam.step(sequence.frames[i]);
+  const test::LoopErrors errors = test::errors(slam.estimates(), sequence);
+  EXPECT_EQ(errors.poses, 120);
+  EXPECT_LT(errors.worst_translation, 0.01);
+  EXPECT_LT(errors.worst_rotation, 0.2 * test::kDegree);
+}
+
 TEST_P(BundleAdjustment, GivesTheSameBytesEveryTime) {
   const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 4);
   SlamLoop slam(without_adjustment());

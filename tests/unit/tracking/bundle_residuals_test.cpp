@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "common/geometry/so3.hpp"
+#include "common/tracking/segment_error.hpp"
 #include "tests/support/random_geometry.hpp"
 
 namespace eg::tracking {
@@ -80,11 +81,11 @@ TEST_P(BundleResiduals, OfALine) {
     LineObservation seen;
     const double angle = random_.uniform(0, 6.28);
     seen.image_line = Vector3d(std::cos(angle), std::sin(angle), random_.uniform(-300, 300));
-    seen.pixel_sigma = random_.uniform(0.5, 3.0);
+    seen.image_whitener = whitener(test::random_covariance(random_, 0.5, 3.0));
     seen.has_depth = trial % 3 != 0;
     seen.point_in_camera = pose * visible_point(pose);
     seen.inwards = test::random_direction(random_);
-    seen.inwards_sigma = random_.uniform(0.01, 0.1);
+    seen.inwards_whitener = whitener(test::random_covariance(random_, 0.01, 0.1));
     const auto at = bundle_line_residual(seen, chart, offsets, camera_, pose);
     const auto by_pose = [&](const Vector6d& d) {
       return bundle_line_residual(seen, chart, offsets, camera_, perturb(pose, d)).value;

@@ -59,7 +59,7 @@ class ProblemMaker {
       const Vector2d across = Vector2d(a.y() - b.y(), b.x() - a.x()).normalized();
       const Vector3d line =
           Vector2d(a + noise(1.0) * across).homogeneous().cross(Vector2d(b + noise(1.0) * across).homogeneous());
-      problem_.lines.push_back({world(start), world(end), line / line.head<2>().norm(), 1.0});
+      problem_.lines.push_back({world(start), world(end), line / line.head<2>().norm()});
     }
     return *this;
   }

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "common/tracking/pose_optimizer.hpp"
+#include "common/tracking/segment_error.hpp"
 #include "tests/support/random_geometry.hpp"
 
 namespace eg::tracking {
@@ -72,13 +73,17 @@ TEST_P(Residuals, OfAPoint) {
 TEST_P(Residuals, OfALine) {
   for (int trial = 0; trial < 200; ++trial) {
     const Pose pose = test::random_pose(random_, 2.0);
-    LineFactor factor{visible_point(pose), visible_point(pose), Vector3d::Zero(), random_.uniform(0.5, 3.0)};
+    const Eigen::Matrix2d covariance = test::random_covariance(random_, 0.5, 3.0);
+    LineFactor factor{visible_point(pose), visible_point(pose), Vector3d::Zero(), whitener(covariance)};
     const double angle = random_.uniform(0, 6.28);
     factor.image_line = Vector3d(std::cos(angle), std::sin(angle), random_.uniform(-300, 300));
     const LineResidual at = line_residual(factor, camera_, pose);
     ASSERT_TRUE(at.in_front);
     const Vector2d start = camera_.project(pose * factor.start_in_world);
-    EXPECT_NEAR(at.distances[0] * factor.pixel_sigma, factor.image_line.dot(start.homogeneous()), 1e-9);
+    const Vector2d end = camera_.project(pose * factor.end_in_world);
+    const Vector2d pixels(factor.image_line.dot(start.homogeneous()), factor.image_line.dot(end.homogeneous()));
+    EXPECT_NEAR(at.distances.squaredNorm(), pixels.dot(covariance.inverse() * pixels),
+                1e-9 * at.distances.squaredNorm());
     const std::function<Vector2d(const Pose&)> distances = [&](const Pose& p) {
       return line_residual(factor, camera_, p).distances;
     };

@@ -55,12 +55,15 @@ TEST_P(TrackerLoop, RotationIsMeasuredAgainstTheOldestKeyframe) {
 }
 
 TEST_P(TrackerLoop, APureTurnOfThreeHundredAndSixtyDegreesDoesNotDrift) {
-  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, turn_around(camera_, 180), 3);
-  const SlamLoop slam = run(sequence);
-  EXPECT_EQ(count(slam, TrackingState::tracking), 180);
-  const test::LoopErrors errors = test::errors(slam.estimates(), sequence);
-  EXPECT_LT(errors.worst_rotation, 0.5 * kDegree);
-  EXPECT_LT(errors.worst_translation, 0.03);
+  for (const int seed : {3, 102}) {  // in 102, long lines leave the view one by one
+    const FeatureSequence sequence =
+        test::record(test::make_room(oblique_room()), camera_, turn_around(camera_, 180), seed);
+    const SlamLoop slam = run(sequence);
+    EXPECT_EQ(count(slam, TrackingState::tracking), 180);
+    const test::LoopErrors errors = test::errors(slam.estimates(), sequence);
+    EXPECT_LT(errors.worst_rotation, 0.5 * kDegree) << "seed " << seed;
+    EXPECT_LT(errors.worst_translation, 0.03) << "seed " << seed;
+  }
 }
 
 TEST_P(TrackerLoop, ThreeWhitePlanesAreEnough) {
