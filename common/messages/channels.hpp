@@ -13,6 +13,7 @@ inline constexpr char kGraphSnapshot[] = "EGRAPH";         ///< egraph_server �
 inline constexpr char kRestoreRequest[] = "EGRAPH_RESTORE_REQUEST";  ///< egraph_server → tracker: I lack keyframes
 inline constexpr char kRestore[] = "EGRAPH_RESTORE";                 ///< tracker → egraph_server: its replica
 inline constexpr char kPoseCorrection[] = "POSE_CORRECTION";         ///< tracker → mapper, viewers; state
+inline constexpr char kKeyframeFeatures[] = "KEYFRAME_FEATURES";     ///< tracker → viewers that asked; FEATURES of old
 inline constexpr char kMeshChunk[] = "MESH_CHUNK";                   ///< mapper → viewers; state
 inline constexpr char kMeshRequest[] = "MESH_REQUEST";  ///< viewers → mapper: please send everything again
 inline constexpr char kStatus[] = "STATUS";             ///< every service at 1 Hz; stream

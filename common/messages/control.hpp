@@ -55,8 +55,8 @@ struct MeshRequest {
 struct ResendRequest {
   std::int64_t session = 0;
   std::string channel;  ///< of the messages
-  /// On RGBD frames by their sequence, on POSE and FEATURES keyframes by their id, on POSE_CORRECTION the one version up to which
-  /// the asker has everything.
+  /// On RGBD frames by their sequence, on POSE and KEYFRAME_FEATURES keyframes by their id, on POSE_CORRECTION the one
+  /// version up to which the asker has everything.
   std::vector<std::int64_t> numbers;
 };
 

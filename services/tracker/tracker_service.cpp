@@ -161,12 +161,12 @@ void TrackerService::on_resend_request(const messages::ResendRequest& request) {
       const auto answer = session_.keyframe_answers.find(keyframe);
       if (answer != session_.keyframe_answers.end()) context_.publish(messages::channels::kPose, answer->second);
     }
-  } else if (request.channel == messages::channels::kFeatures) {
+  } else if (request.channel == messages::channels::kKeyframeFeatures) {
     for (const std::int64_t keyframe : request.numbers) {
       const auto keyframes = session_.tracker.map().keyframes();
       const bool known = keyframe >= 0 && keyframe < static_cast<std::int64_t>(keyframes.size());
       if (known)
-        context_.publish(messages::channels::kFeatures, keyframes[static_cast<std::size_t>(keyframe)].features);
+        context_.publish(messages::channels::kKeyframeFeatures, keyframes[static_cast<std::size_t>(keyframe)].features);
     }
   } else if (request.channel == messages::channels::kPoseCorrection) {
     announce(session_.corrections.since(request.numbers.front()));

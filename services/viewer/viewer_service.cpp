@@ -73,7 +73,9 @@ void ViewerService::subscribe() {
   context_.subscribe<messages::CompressedFrame>(channels::kRgbd, kStreamQueue,
                                                 [this](const messages::CompressedFrame& frame) { recent_.add(frame); });
   context_.subscribe<features::FrameFeatures>(channels::kFeatures, kStreamQueue,
-                                              [this](const features::FrameFeatures& frame) { on_features(frame); });
+                                              [this](const features::FrameFeatures& frame) { recent_.add(frame); });
+  context_.subscribe<features::FrameFeatures>(channels::kKeyframeFeatures, kStreamQueue,
+                                              [this](const features::FrameFeatures& frame) { on_missed(frame); });
   context_.subscribe<tracking::PoseEstimate>(channels::kPose, service::kSmallQueue,
                                              [this](const tracking::PoseEstimate& pose) { on_pose(pose); });
   context_.subscribe<egraph::GraphUpdate>(channels::kGraphUpdate, service::kStateQueue,
@@ -104,11 +106,9 @@ bool ViewerService::is_shown(std::int64_t session) {
   return session == *session_;
 }
 
-void ViewerService::on_features(const features::FrameFeatures& frame) {
-  const bool shown = session_ && frame.header.session == *session_;
-  const auto missed = shown ? missed_.find(graph_.graph(), frame.header.sequence) : std::nullopt;
-  if (missed) return add_contents(*missed, frame);
-  recent_.add(frame);
+void ViewerService::on_missed(const features::FrameFeatures& frame) {
+  if (!session_ || frame.header.session != *session_) return;
+  if (const auto keyframe = missed_.find(graph_.graph(), frame.header.sequence)) add_contents(*keyframe, frame);
 }
 
 void ViewerService::on_pose(const tracking::PoseEstimate& pose) {
@@ -263,7 +263,7 @@ void ViewerService::ask_for_what_is_missing() {
 void ViewerService::ask_for_contents() {
   const std::vector<std::int64_t> keyframes = missed_.next(graph_.graph());
   if (keyframes.empty()) return;
-  context_.publish(channels::kResend, messages::ResendRequest{*session_, channels::kFeatures, keyframes});
+  context_.publish(channels::kResend, messages::ResendRequest{*session_, channels::kKeyframeFeatures, keyframes});
 }
 
 void ViewerService::check(bool put) {

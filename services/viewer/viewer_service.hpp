@@ -48,7 +48,7 @@ class ViewerService : public service::Service {
   ViewerService(service::ServiceContext& context, const ViewerOptions& options);
 
   void subscribe();
-  void on_features(const features::FrameFeatures& frame);
+  void on_missed(const features::FrameFeatures& frame);
   void on_pose(const tracking::PoseEstimate& pose);
   void on_status(const messages::ServiceStatus& status);
 

@@ -163,8 +163,8 @@ TEST(TrackerService, SendsTheFeaturesOfKeyframesAgainToWhoAsks) {
     rig.send_frame(i);
     rig.answer_keyframes();
   }
-  const auto features = rig.collect<features::FrameFeatures>(channels::kFeatures);
-  rig.send(channels::kResend, messages::ResendRequest{1, channels::kFeatures, {0, 99}});
+  const auto features = rig.collect<features::FrameFeatures>(channels::kKeyframeFeatures);
+  rig.send(channels::kResend, messages::ResendRequest{1, channels::kKeyframeFeatures, {0, 99}});
   ASSERT_EQ(features->size(), 1U) << "one of them there is not";
   EXPECT_EQ(messages::encode(features->front()), messages::encode(recording().frames.front()));
 }

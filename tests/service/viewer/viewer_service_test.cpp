@@ -209,11 +209,11 @@ TEST_F(ViewerServiceTest, ALateViewerAsksForWhatKeyframesShowed) {
   pass();
   pass();
   ASSERT_FALSE(requests->empty());
-  EXPECT_EQ(requests->front().channel, channels::kFeatures);
+  EXPECT_EQ(requests->front().channel, channels::kKeyframeFeatures);
   EXPECT_EQ(requests->front().numbers, (std::vector<std::int64_t>{5, 4, 3, 2})) << "the newest first";
   EXPECT_EQ(look().at("trajectory").array<std::int32_t>("keyframes"), (std::vector<std::int32_t>{0, 1, 2, 3, 4, 5, 6}));
 
-  for (int id = 0; id < 6; ++id) rest_.send(channels::kFeatures, features_of(header_of(id)));
+  for (int id = 0; id < 6; ++id) rest_.send(channels::kKeyframeFeatures, features_of(header_of(id)));
   pass();
   pass();
   const auto seen = look();
