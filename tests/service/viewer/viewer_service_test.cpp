@@ -73,6 +73,7 @@ class ViewerServiceTest : public testing::Test {
       point.depth_sigma = 0.01;
     }
     features.lines.resize(2);
+    for (auto& line : features.lines) line.end_pixel = {10.0, 0.0};
     features.lines[0].has_depth = true;
     features.lines[0].end = Eigen::Vector3d::UnitX();
     features.lines[0].direction = 1;
