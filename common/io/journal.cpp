@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <ostream>
 #include <string>
 #include <utility>
 
@@ -41,6 +42,15 @@ base::Status check_journal(const std::filesystem::path& path, std::uint64_t sche
     return base::fail(path.string() + ": " + sound.error().message);
   }
   return {};
+}
+
+base::Status write_journal(const std::filesystem::path& path, std::uint64_t schema,
+                           const std::function<void(const std::function<void(const JournalRecord&)>&)>& fill) {
+  return write_file_atomically(path, [&](std::ostream& file) -> base::Status {
+    file << format_journal(schema, {});
+    fill([&file](const JournalRecord& record) { file << format_journal_record(record); });
+    return {};
+  });
 }
 
 Journal::Journal(std::filesystem::path path, int descriptor, std::size_t size)

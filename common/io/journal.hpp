@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,6 +34,11 @@ base::Result<JournalContents> parse_journal(std::string_view bytes, std::uint64_
 
 /// The same for the beginning of a file: whether parse_journal() would take it, whatever its records are.
 base::Status check_journal(const std::filesystem::path& path, std::uint64_t schema);
+
+/// Writes a journal that is too large to be held at once, whole or not at all, in the place of whatever is under
+/// `path`: `fill` is called with a function that takes the records one by one.
+base::Status write_journal(const std::filesystem::path& path, std::uint64_t schema,
+                           const std::function<void(const std::function<void(const JournalRecord&)>& add)>& fill);
 
 /// An append-only file of records. What append() has confirmed survives the process and the machine.
 class Journal {

@@ -77,6 +77,10 @@ void append_tiles_around_leaf(const Eigen::Vector3i& leaf, std::vector<Eigen::Ve
   }
 }
 
+void append_tiles_around_tile(const Eigen::Vector3i& tile, std::vector<Eigen::Vector3i>& tiles) {
+  for (int i = 0; i < 27; ++i) tiles.emplace_back(tile + Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+}
+
 bool is_owned(const TsdfOptions& options, const Eigen::Vector3i& tile) {
   const int cubes = floor_divide(tile.x(), kTilesPerShare) + floor_divide(tile.y(), kTilesPerShare) +
                     floor_divide(tile.z(), kTilesPerShare);

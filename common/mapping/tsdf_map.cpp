@@ -8,6 +8,7 @@
 #include "common/mapping/integrator.hpp"
 #include "common/mapping/tile_block_reader.hpp"
 #include "common/mapping/tile_mesher.hpp"
+#include "common/mapping/tile_page.hpp"
 #include "common/mapping/tsdf_grids.hpp"
 #include "common/mapping/vdb_format.hpp"
 
@@ -89,6 +90,19 @@ Mesh TsdfMap::extract_mesh() const {
 Mesh TsdfMap::extract_tile(const Eigen::Vector3i& tile) const { return impl_->mesh(tile).mesh; }
 
 std::vector<Eigen::Vector3i> TsdfMap::take_changed_tiles() { return std::exchange(impl_->changed_tiles, {}); }
+
+std::vector<Eigen::Vector3i> TsdfMap::tiles() const { return tiles_with_leaves(*impl_->grids); }
+
+std::string TsdfMap::pack_tile(const Eigen::Vector3i& tile) const { return mapping::pack_tile(*impl_->grids, tile); }
+
+base::Status TsdfMap::unpack_tile(const Eigen::Vector3i& tile, std::string_view bytes) {
+  if (holds_leaves(*impl_->grids, tile)) return base::fail("a packed tile comes twice");
+  if (auto status = mapping::unpack_tile(bytes, tile, *impl_->grids); !status) return status;
+  append_tiles_around_tile(tile, impl_->changed_tiles);
+  impl_->keep_owned(impl_->changed_tiles);
+  sort_unique(impl_->changed_tiles);
+  return {};
+}
 
 double TsdfMap::tile_size() const { return kTileSide * impl_->options.voxel_size; }
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <iosfwd>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/result.hpp"
@@ -55,6 +57,16 @@ class TsdfMap {
   /// Tiles whose surface may have changed since the last call, in lexicographic order. May name tiles that are empty
   /// now.
   std::vector<Eigen::Vector3i> take_changed_tiles();
+
+  /// Tiles that hold something, in lexicographic order.
+  [[nodiscard]] std::vector<Eigen::Vector3i> tiles() const;
+
+  /// All that is known of a tile, to the last bit, as packed bytes.
+  [[nodiscard]] std::string pack_tile(const Eigen::Vector3i& tile) const;
+
+  /// Puts a tile in from what pack_tile() of a map with the same options gave. It must be empty so far. Refuses other
+  /// bytes; the map is then untouched.
+  base::Status unpack_tile(const Eigen::Vector3i& tile, std::string_view bytes);
 
   /// Edge length of a tile, metres.
   [[nodiscard]] double tile_size() const;

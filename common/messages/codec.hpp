@@ -11,6 +11,7 @@
 #include "common/mapping/mesh.hpp"
 #include "common/messages/control.hpp"
 #include "common/tracking/pose_estimate.hpp"
+#include "common/tracking/saved_map.hpp"
 
 /// Domain types to message bytes and back. decode() accepts only what is whole, within bounds and finite; the error
 /// names the field. No exception leaves it. The message types are in lcmtypes/, the rules in docs/messages.md.
@@ -54,6 +55,8 @@ Bytes encode(const MeshRequest& request);
 Bytes encode(const Acknowledge& acknowledge);
 Bytes encode(const EndOfStream& end);
 Bytes encode(const ResendRequest& request);
+Bytes encode(const tracking::KeyframeLinks& links);
+Bytes encode(const tracking::LandmarkPositions& landmarks);
 Bytes encode(const Control& control);
 Bytes encode(const ControlReply& reply);
 Bytes encode(const ServiceStatus& status);
@@ -90,6 +93,10 @@ template <>
 base::Result<EndOfStream> decode(ByteView bytes);
 template <>
 base::Result<ResendRequest> decode(ByteView bytes);
+template <>
+base::Result<tracking::KeyframeLinks> decode(ByteView bytes);
+template <>
+base::Result<tracking::LandmarkPositions> decode(ByteView bytes);
 template <>
 base::Result<Control> decode(ByteView bytes);
 template <>

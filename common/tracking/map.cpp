@@ -76,7 +76,7 @@ void note_observers(std::span<const Match<MapId>> matches, KeyframeId keyframe, 
 }
 
 template <typename T>
-void cull(T& feature) {
+void cull_if_rarely_found(T& feature) {
   if (feature.visibility.expected >= kMinExpected &&
       feature.visibility.found < kMinFoundRatio * feature.visibility.expected) {
     feature.alive = false;
@@ -231,12 +231,12 @@ void Map::count_visibility(std::span<const PointId> expected_points, std::span<c
   for (const PointId id : expected_points) {
     MapPoint& point = points_[static_cast<std::size_t>(id.value)];
     ++point.visibility.expected;
-    cull(point);
+    cull_if_rarely_found(point);
   }
   for (const LineId id : expected_lines) {
     MapLine& line = lines_[static_cast<std::size_t>(id.value)];
     ++line.visibility.expected;
-    cull(line);
+    cull_if_rarely_found(line);
   }
 }
 
@@ -287,5 +287,8 @@ void Map::move_line(LineId id, const Eigen::Vector3d& start, const Eigen::Vector
 void Map::move_plane(PlaneId id, const geometry::Plane& plane) {
   planes_[static_cast<std::size_t>(id.value)].estimate.plane = plane;
 }
+
+void Map::cull(PointId id) { points_[static_cast<std::size_t>(id.value)].alive = false; }
+void Map::cull(LineId id) { lines_[static_cast<std::size_t>(id.value)].alive = false; }
 
 }  // namespace eg::tracking

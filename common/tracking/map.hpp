@@ -150,6 +150,8 @@ class Map {
   void move_point(PointId id, const Eigen::Vector3d& position);
   void move_line(LineId id, const Eigen::Vector3d& start, const Eigen::Vector3d& end);
   void move_plane(PlaneId id, const geometry::Plane& plane);
+  void cull(PointId id);
+  void cull(LineId id);
 
  private:
   using Cell = std::array<std::int32_t, 3>;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/check.hpp"
 #include "common/geometry/so3.hpp"
 #include "common/tracking/frame_problem.hpp"
 #include "common/tracking/observability.hpp"
@@ -59,6 +60,20 @@ struct Tracker::Frame {
 };
 
 Tracker::Tracker(TrackerOptions options) : options_(options), motion_(options.motion), policy_(options.keyframes) {}
+
+void Tracker::continue_in(Map map, egraph::Graph graph) {
+  EG_CHECK(map_.empty() && !map.empty(), "a map is continued before the first frame, and has keyframes");
+  map_ = std::move(map);
+  graph_ = std::move(graph);
+  for (const MapKeyframe& keyframe : map_.keyframes()) {
+    const egraph::KeyframeNode* const node = graph_.find_keyframe(keyframe.id);
+    EG_CHECK(node != nullptr, "the graph of a map knows its keyframes");
+    keyframe_covariances_.push_back(node->covariance);
+  }
+  lost_ = true;
+  state_ = TrackingState::lost;
+  last_measured_utime_ = -options_.max_blind_utime - 1;  // no last pose that says where to look
+}
 
 TrackResult Tracker::track(const FrameFeatures& features) {
   if (options_.parts.lines && options_.parts.planes) return track_parts(features);

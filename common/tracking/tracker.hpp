@@ -59,6 +59,10 @@ class Tracker {
 
   TrackResult track(const features::FrameFeatures& frame);
 
+  /// Goes on in a map of an earlier session, together with its graph: lost until a frame shows a known place. To be
+  /// called before the first frame.
+  void continue_in(Map map, egraph::Graph graph);
+
   /// Brings the replica of the E-Graph up to date. If the server has refined the graph, the map follows; returns the
   /// keyframes that moved. Refuses what does not lead on from the replica (a gap: ask for a snapshot).
   base::Result<std::vector<egraph::CorrectedPose>> follow(const egraph::GraphUpdate& update);

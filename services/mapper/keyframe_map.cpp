@@ -27,14 +27,14 @@ bool is_far(const geometry::Pose& a, const geometry::Pose& b, double max_distanc
 KeyframeMap::KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget)
     : field_(options), image_budget_(image_budget) {}
 
-base::Result<image::RectifiedFrame> KeyframeMap::restore(const messages::CompressedFrame& images) {
+base::Result<image::RectifiedFrame> KeyframeMap::unpack(const messages::CompressedFrame& images) {
   return messages::decompress(images).map([this](const image::RgbdFrame& frame) { return rectifier_.rectify(frame); });
 }
 
 base::Status KeyframeMap::integrate(egraph::KeyframeId id, const messages::CompressedFrame& frame,
                                     const geometry::Pose& world_from_camera) {
   if (keyframes_.contains(id)) return {};
-  const auto restored = restore(frame);
+  const auto restored = unpack(frame);
   if (!restored) return tl::make_unexpected(restored.error());
   const auto integrated = field_.integrate(*restored, world_from_camera);
   if (!integrated) return tl::make_unexpected(integrated.error());
@@ -43,6 +43,12 @@ base::Status KeyframeMap::integrate(egraph::KeyframeId id, const messages::Compr
   drop_oldest_images();
   note_if_far(id);
   return {};
+}
+
+void KeyframeMap::restore(egraph::KeyframeId id, Keyframe keyframe) {
+  if (keyframe.images) image_bytes_ += bytes_of(*keyframe.images);
+  keyframes_[id] = std::move(keyframe);
+  drop_oldest_images();
 }
 
 void KeyframeMap::drop_oldest_images() {
@@ -93,7 +99,7 @@ void KeyframeMap::settle() {
 void KeyframeMap::move(egraph::KeyframeId id) {
   Keyframe& keyframe = keyframes_.at(id);
   const geometry::Pose& target = latest_poses_.at(id).world_from_camera;
-  const auto frame = restore(*keyframe.images);
+  const auto frame = unpack(*keyframe.images);
   EG_CHECK(frame, "images that were restored once can be restored again");
   EG_CHECK(field_.deintegrate(*frame, keyframe.world_from_camera), "a keyframe that was integrated can be taken back");
   EG_CHECK(field_.integrate(*frame, target), "a keyframe can be integrated at a finite pose");

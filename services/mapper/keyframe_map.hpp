@@ -18,6 +18,11 @@ namespace eg::services {
 /// that a keyframe whose pose is corrected can be taken out of the field and put back where it belongs.
 class KeyframeMap {
  public:
+  struct Keyframe {
+    geometry::Pose world_from_camera;                 ///< where it is in the field
+    std::optional<messages::CompressedFrame> images;  ///< none: dropped for the budget
+  };
+
   /// @param image_budget bytes of compressed images kept; beyond it the oldest keyframes stay where they are
   KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget);
 
@@ -25,6 +30,10 @@ class KeyframeMap {
   base::Status integrate(egraph::KeyframeId id, const messages::CompressedFrame& frame,
                          const geometry::Pose& world_from_camera);
 
+  /// Takes note of a keyframe that the field holds already, at that pose.
+  void restore(egraph::KeyframeId id, Keyframe keyframe);
+
+  [[nodiscard]] const std::map<egraph::KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] bool contains(egraph::KeyframeId id) const { return keyframes_.contains(id); }
 
   /// Takes note of new poses, also of keyframes that are yet to come. Older versions than the known ones are ignored.
@@ -43,16 +52,12 @@ class KeyframeMap {
   [[nodiscard]] std::size_t image_bytes() const { return image_bytes_; }
 
  private:
-  struct Keyframe {
-    geometry::Pose world_from_camera;                 ///< where it is in the field
-    std::optional<messages::CompressedFrame> images;  ///< none: dropped for the budget
-  };
   struct LatestPose {
     std::int64_t version = 0;
     geometry::Pose world_from_camera;
   };
 
-  [[nodiscard]] base::Result<image::RectifiedFrame> restore(const messages::CompressedFrame& images);
+  [[nodiscard]] base::Result<image::RectifiedFrame> unpack(const messages::CompressedFrame& images);
   void drop_oldest_images();
   void note_if_far(egraph::KeyframeId id);
   void move(egraph::KeyframeId id);

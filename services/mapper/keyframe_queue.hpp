@@ -19,6 +19,9 @@ class KeyframeQueue {
     std::vector<std::int64_t> frames;  ///< sequence numbers
   };
 
+  /// Keyframe `id` and all before it are in the map already, from an earlier session.
+  void begin_behind(egraph::KeyframeId id) { announced_ = id.value; }
+
   /// There is such a keyframe, and hence all before it.
   void announce(egraph::KeyframeId id);
 

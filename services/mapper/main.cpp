@@ -23,10 +23,13 @@ base::Status parse_tiles(const std::string& text, mapping::TsdfOptions& options)
 }
 
 base::Result<std::unique_ptr<service::Service>> make(service::ServiceContext& context, const std::string& tiles,
-                                                     services::MapperOptions options) {
+                                                     const std::string& archive, services::MapperOptions options) {
   if (const auto status = parse_tiles(tiles, options.tsdf); !status) return tl::make_unexpected(status.error());
   if (const auto status = mapping::validate(options.tsdf); !status) return tl::make_unexpected(status.error());
   auto mapper = std::make_unique<services::MapperService>(context, options);
+  if (!archive.empty()) {
+    if (const auto status = mapper->load(archive); !status) return tl::make_unexpected(status.error());
+  }
   if (const auto status = mapper->open_journal(); !status) return tl::make_unexpected(status.error());
   return mapper;
 }
@@ -36,6 +39,7 @@ base::Result<std::unique_ptr<service::Service>> make(service::ServiceContext& co
 int main(int argc, char** argv) {
   services::MapperOptions options;
   std::string tiles = "0/1";
+  std::string archive;
   service::ServiceProgram program;
   program.name = "mapper";
   program.description = "Fuses the depth images of keyframes into a coloured mesh";
@@ -43,10 +47,11 @@ int main(int argc, char** argv) {
     app.add_option("--tiles", tiles, "I/N: map the I-th of N shares of the space, from 0; other mappers do the others")
         ->envname("EGRAPH_TILES")
         ->capture_default_str();
+    app.add_option("--load", archive, "Map archive (the --out of an earlier run) to go on in")->envname("EGRAPH_LOAD");
     app.add_flag("--resume", options.resume, "Go on from the journal that a killed mapper left in --out")
         ->envname("EGRAPH_RESUME");
   };
   program.configure = [&](io::ConfigSchema& section) { services::describe_options(section, options); };
-  program.make = [&](service::ServiceContext& context) { return make(context, tiles, options); };
+  program.make = [&](service::ServiceContext& context) { return make(context, tiles, archive, options); };
   return service::run_service(program, argc, argv);
 }

@@ -4,10 +4,13 @@
 
 #include <chrono>
 #include <ostream>
+#include <system_error>
 
 #include "common/io/atomic_file.hpp"
-#include "common/io/ply.hpp"
+#include "common/io/pcd.hpp"
 #include "common/messages/channels.hpp"
+#include "common/service/map_archive.hpp"
+#include "services/mapper/dense_archive.hpp"
 
 namespace eg::services {
 namespace {
@@ -21,6 +24,12 @@ constexpr std::size_t kMegabyte = 1'000'000;
 
 bool is_mapped(const tracking::PoseEstimate& pose) {
   return pose.keyframe.valid() && pose.has_pose && pose.state == tracking::TrackingState::tracking;
+}
+
+/// As polygons and as a cloud.
+base::Status write_mesh(const std::filesystem::path& stem, const mapping::Mesh& mesh) {
+  const base::Status ply = io::write_ply(stem.string() + ".ply", io::view_of(mesh));
+  return ply ? io::write_pcd(stem.string() + ".pcd", io::view_of(mesh)) : ply;
 }
 
 }  // namespace
@@ -51,6 +60,13 @@ MapperService::MapperService(service::ServiceContext& context, const MapperOptio
 std::string MapperService::with_share(const std::string& name) const {
   const mapping::TsdfOptions& options = map_.field().options();
   return options.shares == 1 ? name : name + "." + std::to_string(options.share);
+}
+
+base::Status MapperService::load(const std::filesystem::path& archive) {
+  const std::string name = with_share(service::kDenseMapName) + ".map";
+  const base::Status loaded = load_dense_archive(service::file_in_archive(archive, name), map_);
+  if (loaded && !map_.keyframes().empty()) queue_.begin_behind(map_.keyframes().rbegin()->first);
+  return loaded;
 }
 
 base::Status MapperService::open_journal() {
@@ -217,10 +233,18 @@ base::Status MapperService::save() {
   if (out.empty()) return {};
   map_.settle();
   const std::string name = with_share("mesh");
-  const base::Status ply = io::write_ply(out / (name + ".ply"), io::view_of(map_.field().extract_mesh()));
-  if (!ply) return ply;
-  return io::write_file_atomically(out / (name + ".vdb"),
-                                   [this](std::ostream& file) { return map_.field().write_vdb(file); });
+  if (const auto mesh = write_mesh(out / name, map_.field().extract_mesh()); !mesh) return mesh;
+  const base::Status vdb = io::write_file_atomically(
+      out / (name + ".vdb"), [this](std::ostream& file) { return map_.field().write_vdb(file); });
+  return vdb ? save_archive() : vdb;
+}
+
+base::Status MapperService::save_archive() const {
+  const std::filesystem::path folder = service::archive_folder(context_.options().out);
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) return base::fail(folder.string() + ": cannot be made: " + failure.message());
+  return save_dense_archive(folder / (with_share(service::kDenseMapName) + ".map"), map_);
 }
 
 }  // namespace eg::services

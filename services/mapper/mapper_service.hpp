@@ -42,9 +42,13 @@ class MapperService : public service::Service {
   /// Once, before the first message. Fails if the journal cannot be written or, to be resumed, is damaged.
   base::Status open_journal();
 
+  /// Once, before the journal: goes on in the map archive of an earlier session. Refuses a damaged one and one made
+  /// with other options.
+  base::Status load(const std::filesystem::path& archive);
+
   void idle(std::int64_t now_utime) override;
 
-  /// Writes mesh.ply and mesh.vdb, with every keyframe at its latest pose.
+  /// Writes mesh.ply, mesh.vdb and the dense part of the map archive, with every keyframe at its latest pose.
   base::Status save() override;
 
  private:
@@ -64,6 +68,7 @@ class MapperService : public service::Service {
   void note(const char* channel, const T& value);
   /// "mapper" and "mesh", or with the number of this mapper's share behind a dot.
   [[nodiscard]] std::string with_share(const std::string& name) const;
+  [[nodiscard]] base::Status save_archive() const;
   void acknowledge_finished();
 
   service::ServiceContext& context_;

@@ -40,6 +40,8 @@ int main(int argc, char** argv) {
       ->needs(log_in);
   app.add_option("--camera", options.camera, "Camera by name or YAML file; without it found from the data set");
   app.add_option("--out", options.out, "Folder for the results; those of an earlier run are replaced")->required();
+  app.add_option("--load", options.load, "Results of an earlier run: find the camera in their map and go on in it")
+      ->check(CLI::ExistingDirectory);
   app.add_flag("--realtime", options.realtime, "At the sensor's rate, dropping frames, instead of in lockstep");
   app.add_flag("--no-mapper", no_mapper, "Without the dense map");
   app.add_option("--config", options.config, "YAML configuration with a section for each service")

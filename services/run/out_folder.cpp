@@ -7,12 +7,12 @@
 namespace eg::run {
 namespace {
 
-constexpr std::array kResultFiles = {"trajectory.txt",    "states.csv",        "keyframes.txt",     "egraph.json",
-                                     "map.ply",           "mesh.ply",          "mesh.vdb",          "status.json",
-                                     "groundtruth.txt",   "picture.png",       "log.txt",           "run.lcm",
-                                     "report.html",       "report_mesh_0.png", "report_mesh_1.png", "report_mesh_2.png",
-                                     "report_mesh_3.png", "graph-1.journal",   "mapper.journal",    "tracker.journal",
-                                     "settings.yaml"};
+constexpr std::array kResultFiles = {
+    "trajectory.txt",    "states.csv",        "keyframes.txt",   "egraph.json",       "map.ply",
+    "mesh.ply",          "mesh.vdb",          "status.json",     "groundtruth.txt",   "picture.png",
+    "log.txt",           "run.lcm",           "report.html",     "report_mesh_0.png", "report_mesh_1.png",
+    "report_mesh_2.png", "report_mesh_3.png", "graph-1.journal", "mapper.journal",    "tracker.journal",
+    "settings.yaml",     "map/sparse.map",    "map/dense.map",   "map.pcd",           "mesh.pcd"};
 
 }  // namespace
 

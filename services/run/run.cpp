@@ -10,6 +10,7 @@
 
 #include "common/procman/configuration.hpp"
 #include "common/procman/process_tree.hpp"
+#include "common/service/map_archive.hpp"
 #include "common/transport/lcm_bus.hpp"
 #include "services/run/out_folder.hpp"
 #include "services/run/own_port.hpp"
@@ -41,6 +42,20 @@ base::Result<std::filesystem::path> find_configuration(const RunOptions& options
   return file;
 }
 
+/// The results of a run replace those of an earlier one, which must not be the map that it goes on in.
+base::Status check_map_to_load(const RunOptions& options) {
+  if (options.load.empty()) return {};
+  const auto file = service::file_in_archive(options.load, service::kSparseMapFile);
+  if (!std::filesystem::exists(file)) {
+    return base::fail("--load: " + options.load.string() + " holds no map archive (map/sparse.map)");
+  }
+  std::error_code none;
+  if (std::filesystem::equivalent(options.load, options.out, none)) {
+    return base::fail("--load and --out name the same folder: the map would be replaced by what goes on in it");
+  }
+  return {};
+}
+
 void set_environment(const char* name, const std::string& value) {
   value.empty() ? unsetenv(name) : setenv(name, value.c_str(), 1);
 }
@@ -52,6 +67,7 @@ void set_environment(const RunOptions& options, const Input& input, const std::f
   set_environment("EGRAPH_CHANNEL_PREFIX", "");
   set_environment("EGRAPH_CONFIG", options.config.empty() ? "" : std::filesystem::absolute(options.config).string());
   set_environment("EGRAPH_OUT", out.string());
+  set_environment("EGRAPH_LOAD", options.load.empty() ? "" : std::filesystem::absolute(options.load).string());
   set_environment("EGRAPH_LOCKSTEP", options.realtime ? "" : "1");
   set_environment("EGRAPH_DATASET", input.dataset);
   set_environment("EGRAPH_OBSERVATIONS", input.observations);
@@ -123,6 +139,7 @@ int run(const RunOptions& options, const StopCount& stops) {
   if (!input) return report_failure(input.error().message);
   const auto configuration = find_configuration(options);
   if (!configuration) return report_failure(configuration.error().message);
+  if (const auto map = check_map_to_load(options); !map) return report_failure(map.error().message);
   const auto out = prepare_out_folder(options.out);
   if (!out) return report_failure(out.error().message);
   const auto port = options.lcm_url.empty() ? OwnPort::find() : OwnPort::take(options.lcm_url);

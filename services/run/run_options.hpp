@@ -16,6 +16,7 @@ struct RunOptions {
   std::string observations;             ///< feature-level data instead (folder or synthetic:walk); nothing to map then
   std::string camera;                   ///< name or YAML file; empty: found from the data set
   std::filesystem::path out;            ///< results
+  std::filesystem::path load;           ///< results of an earlier run, whose map is continued; empty: a new map
   bool realtime = false;                ///< at the sensor's rate instead of in lockstep
   bool mapper = true;                   ///< also make the dense map
   std::filesystem::path config;         ///< YAML for all services; empty: their defaults

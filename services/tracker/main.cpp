@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <string>
 
 #include "common/io/config.hpp"
 #include "services/tracker/tracker_service.hpp"
@@ -10,7 +11,9 @@ int main(int argc, char** argv) {
   program.name = "tracker";
   program.description = "Tracks the camera: rotation from the E-Graph, translation, frame-to-map refinement, keyframes";
   bool resume = false;
-  program.add_options = [&resume](CLI::App& app) {
+  std::string archive;
+  program.add_options = [&](CLI::App& app) {
+    app.add_option("--load", archive, "Map archive (the --out of an earlier run) to go on in")->envname("EGRAPH_LOAD");
     app.add_flag("--resume", resume, "Keep a journal in --out and go on from the one that a killed tracker left there")
         ->envname("EGRAPH_RESUME");
   };
@@ -43,6 +46,9 @@ int main(int argc, char** argv) {
   };
   program.make = [&](eg::service::ServiceContext& context) -> eg::base::Result<std::unique_ptr<eg::service::Service>> {
     auto tracker = std::make_unique<eg::services::TrackerService>(context, options);
+    if (!archive.empty()) {
+      if (const auto loaded = tracker->load(archive); !loaded) return tl::make_unexpected(loaded.error());
+    }
     if (resume && !context.options().out.empty()) {
       if (const auto resumed = tracker->resume(); !resumed) return tl::make_unexpected(resumed.error());
     }

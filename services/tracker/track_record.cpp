@@ -5,7 +5,7 @@
 
 #include "common/io/atomic_file.hpp"
 #include "common/io/number_format.hpp"
-#include "common/io/ply.hpp"
+#include "common/io/pcd.hpp"
 #include "common/io/trajectory_file.hpp"
 
 namespace eg::services {
@@ -79,9 +79,9 @@ io::PlyData sparse_map(const tracking::Map& map) {
   return ply;
 }
 
-std::vector<geometry::StampedPose> keyframe_poses(const tracking::Map& map) {
+std::vector<geometry::StampedPose> keyframe_poses(std::span<const tracking::MapKeyframe> keyframes) {
   std::vector<geometry::StampedPose> poses;
-  for (const tracking::MapKeyframe& keyframe : map.keyframes()) {
+  for (const tracking::MapKeyframe& keyframe : keyframes) {
     poses.push_back({seconds(keyframe.features.header.utime), keyframe.world_from_camera});
   }
   return poses;
@@ -102,9 +102,13 @@ void TrackRecord::add(const tracking::PoseEstimate& estimate, const tracking::Ma
 base::Status TrackRecord::save(const std::filesystem::path& folder, const tracking::Map& map) const {
   if (const auto written = save_trajectory(folder / "trajectory.txt", map); !written) return written;
   if (const auto written = save_states(folder / "states.csv"); !written) return written;
-  if (const auto written = io::write_trajectory(folder / "keyframes.txt", keyframe_poses(map)); !written)
+  if (const auto written =
+          io::write_trajectory(folder / "keyframes.txt", keyframe_poses(map.keyframes().subspan(earlier_keyframes_)));
+      !written)
     return written;
-  return io::write_ply(folder / "map.ply", io::view_of(sparse_map(map)));
+  const io::PlyData landmarks = sparse_map(map);
+  if (const auto written = io::write_ply(folder / "map.ply", io::view_of(landmarks)); !written) return written;
+  return io::write_pcd(folder / "map.pcd", io::view_of(landmarks));
 }
 
 base::Status TrackRecord::save_trajectory(const std::filesystem::path& path, const tracking::Map& map) const {

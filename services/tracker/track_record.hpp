@@ -20,6 +20,9 @@ class TrackRecord {
   [[nodiscard]] bool empty() const { return rows_.empty(); }
   [[nodiscard]] std::int64_t frame_count() const { return frame_count_; }
 
+  /// So many keyframes of the map are an earlier session's, with times of their own: keyframes.txt is without them.
+  void set_earlier_keyframes(std::size_t count) { earlier_keyframes_ = count; }
+
   /// What the source sent, and the frames that it could not read.
   void set_end(std::int64_t frame_count, std::vector<std::int64_t> skipped_utimes) {
     frame_count_ = frame_count;
@@ -39,6 +42,7 @@ class TrackRecord {
   [[nodiscard]] base::Status save_states(const std::filesystem::path& path) const;
 
   std::vector<Row> rows_;
+  std::size_t earlier_keyframes_ = 0;
   std::int64_t frame_count_ = 0;  ///< of the whole stream; 0: not yet known
   std::vector<std::int64_t> skipped_utimes_;
 };

@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "common/messages/channels.hpp"
+#include "common/service/map_archive.hpp"
+#include "services/tracker/sparse_archive.hpp"
 
 namespace eg::services {
 namespace {
@@ -80,8 +82,11 @@ bool TrackerService::enter_session(std::int64_t id) {
   const bool goes_on = session_.begun && !session_.is_complete() && now_utime_ - session_.heard_utime < kSilence;
   if (goes_on || std::find(former_sessions_.begin(), former_sessions_.end(), id) != former_sessions_.end())
     return false;
-  if (session_.begun) leave_session();
-  session_ = TrackedSession(id, options_);
+  if (session_.begun) {
+    leave_session();
+    session_ = TrackedSession(id, options_);
+  }
+  session_.id = id;  // the first one may go on in a map that was loaded
   session_.begun = true;
   return true;
 }
@@ -309,9 +314,25 @@ void TrackerService::idle(std::int64_t now_utime) {
   context_.publish(messages::channels::kKeyframe, session_.unconfirmed.front());
 }
 
+base::Status TrackerService::load(const std::filesystem::path& archive) {
+  auto loaded = load_sparse_archive(service::file_in_archive(archive, service::kSparseMapFile));
+  if (!loaded) return tl::make_unexpected(loaded.error());
+  session_.record.set_earlier_keyframes(loaded->map.keyframes().size());
+  session_.tracker.continue_in(std::move(loaded->map), std::move(loaded->graph));
+  return {};
+}
+
 base::Status TrackerService::save() {
-  if (context_.options().out.empty()) return {};
-  return session_.record.save(context_.options().out, session_.tracker.map());
+  const std::filesystem::path& out = context_.options().out;
+  if (out.empty()) return {};
+  if (const base::Status saved = session_.record.save(out, session_.tracker.map());
+      !saved || session_.tracker.map().empty())
+    return saved;
+  const std::filesystem::path archive = service::archive_folder(out);
+  std::error_code failure;
+  std::filesystem::create_directories(archive, failure);
+  if (failure) return base::fail(archive.string() + ": cannot be made: " + failure.message());
+  return save_sparse_archive(archive / service::kSparseMapFile, session_.tracker.map(), session_.tracker.graph());
 }
 
 }  // namespace eg::services

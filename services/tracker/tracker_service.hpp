@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <optional>
 
 #include "common/service/journal.hpp"
@@ -30,13 +31,17 @@ class TrackerService : public service::Service {
  public:
   TrackerService(service::ServiceContext& context, tracking::TrackerOptions options);
 
+  /// Once, before the first message: goes on in the map archive of an earlier session. Refuses a damaged one.
+  base::Status load(const std::filesystem::path& archive);
+
   /// Once, before the first message: goes on from tracker.journal in the output folder and keeps it from now on. Fails
   /// if it cannot be written or is damaged.
   base::Status resume();
 
   void idle(std::int64_t now_utime) override;
 
-  /// Writes trajectory.txt, states.csv, keyframes.txt and map.ply of the session being tracked.
+  /// Writes trajectory.txt, states.csv, keyframes.txt, map.ply, map.pcd and the sparse part of the map archive, all of
+  /// the session being tracked.
   base::Status save() override;
 
  private:

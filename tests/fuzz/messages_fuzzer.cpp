@@ -51,7 +51,7 @@ void decode_camera(ByteView input) {
 }
 
 using Decoder = void (*)(ByteView);
-constexpr std::array<Decoder, 17> kDecoders = {
+constexpr std::array<Decoder, 19> kDecoders = {
     decode_one<eg::image::RgbdFrame>,
     decode_one<eg::features::FrameFeatures>,
     decode_one<eg::tracking::PoseEstimate>,
@@ -68,6 +68,8 @@ constexpr std::array<Decoder, 17> kDecoders = {
     decode_one<eg::messages::ControlReply>,
     decode_one<eg::messages::ServiceStatus>,
     decode_one<eg::messages::ResendRequest>,
+    decode_one<eg::tracking::KeyframeLinks>,
+    decode_one<eg::tracking::LandmarkPositions>,
     decode_camera,
 };
 

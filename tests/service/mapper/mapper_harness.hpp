@@ -46,28 +46,37 @@ inline std::string read_file(const std::filesystem::path& path) {
 /// A mapper and the rest of the system, which is the test.
 class Harness {
  public:
-  /// `out`: empty for a folder of its own.
-  Harness(bool lockstep, const MapperOptions& options, const std::filesystem::path& out = {})
+  /// `out`: empty for a folder of its own. `archive`: of an earlier session, to go on in; empty: none.
+  Harness(bool lockstep, const MapperOptions& options, const std::filesystem::path& out = {},
+          const std::filesystem::path& archive = {})
       : out_(out.empty() ? folder_.path() : out),
         context_(bus_of_service_, {"mapper", {}, {}, {}, out_, lockstep}),
         service_(context_, options) {
+    const auto loaded = archive.empty() ? base::Status() : service_.load(archive);
+    EXPECT_TRUE(loaded) << loaded.error().message;
     const auto opened = service_.open_journal();
     EXPECT_TRUE(opened) << opened.error().message;
     listen<messages::Acknowledge>(channels::kAcknowledge, acknowledged);
     listen<mapping::MeshChunk>(channels::kMeshChunk, chunks);
   }
 
-  void send_frame(int index) {
+  /// `sequence`: below 0 the same as `index`.
+  void send_frame(int index, int sequence = -1) {
     image::RgbdFrame frame = sequence_.frame(index);
-    frame.header.sequence = index;
+    frame.header.sequence = sequence < 0 ? index : sequence;
     publish(channels::kRgbd, frame);
+  }
+
+  /// As the tracker answers frame `index`, which is keyframe `keyframe` and has come as number `sequence`.
+  void send_pose(int index, int keyframe, int sequence) {
+    send_pose(index, keyframe, tracking::TrackingState::tracking, 7, sequence);
   }
 
   /// As the tracker answers frame `index`; `keyframe` below 0: it is none.
   void send_pose(int index, int keyframe, tracking::TrackingState state = tracking::TrackingState::tracking,
-                 std::int64_t session = 7) {
+                 std::int64_t session = 7, int sequence = -1) {
     tracking::PoseEstimate pose;
-    pose.header = {session, index, 1000 + index};
+    pose.header = {session, sequence < 0 ? index : sequence, 1000 + index};
     pose.state = state;
     pose.has_pose = true;
     pose.world_from_camera = sequence_.world_from_camera(index);

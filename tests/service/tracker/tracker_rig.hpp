@@ -82,6 +82,7 @@ class Rig {
   }
 
   base::Status save() { return service_.save(); }
+  base::Status load(const std::filesystem::path& archive) { return service_.load(archive); }
   [[nodiscard]] messages::ServiceStatus status() { return context_.status().status(0); }
   [[nodiscard]] const std::filesystem::path& folder() const { return out_; }
 

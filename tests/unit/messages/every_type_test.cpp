@@ -40,7 +40,8 @@ class EveryType : public testing::Test {};
 using Types =
     testing::Types<image::RgbdFrame, features::FrameFeatures, tracking::PoseEstimate, tracking::PoseCorrection,
                    egraph::Keyframe, egraph::GraphUpdate, egraph::GraphSnapshot, mapping::MeshChunk, GraphRequest,
-                   MeshRequest, ResendRequest, Acknowledge, EndOfStream, Control, ControlReply, ServiceStatus>;
+                   MeshRequest, ResendRequest, tracking::KeyframeLinks, tracking::LandmarkPositions, Acknowledge,
+                   EndOfStream, Control, ControlReply, ServiceStatus>;
 TYPED_TEST_SUITE(EveryType, Types);
 
 TYPED_TEST(EveryType, ComesBackBitForBit) {

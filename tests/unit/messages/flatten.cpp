@@ -79,6 +79,16 @@ class Flattener {
   void add(const egraph::RelativePose& v) { (*this)(v.first, v.second, v.first_from_second, v.covariance); }
   void add(const egraph::CorrectedPose& v) { (*this)(v.keyframe, v.world_from_camera); }
   void add(const egraph::GraphSnapshot::CovisibilityEdge& v) { (*this)(v.first, v.second, v.shared_features); }
+  template <typename Id>
+  void add(const tracking::Match<Id>& v) {
+    (*this)(v.feature, v.id);
+  }
+  void add(const egraph::Association& v) {
+    (*this)(static_cast<std::int32_t>(v.feature), v.landmark, v.sign, v.chi2, v.outlier_chi2);
+  }
+  void add(const tracking::LandmarkPositions::Point& v) { (*this)(v.position, v.alive); }
+  void add(const tracking::LandmarkPositions::Line& v) { (*this)(v.start, v.end, v.alive); }
+  void add(const geometry::Plane& v) { (*this)(v.normal, v.distance); }
   void add(const mapping::Mesh& v) { (*this)(v.vertices, v.normals, v.colours, v.triangles); }
 };
 
@@ -135,6 +145,10 @@ Flat flatten(const MeshRequest& v) { return Flattener()(v.session).result; }
 Flat flatten(const GraphRequest& v) { return Flattener()(v.session, v.have_version).result; }
 Flat flatten(const Acknowledge& v) { return Flattener()(v.session, v.sequence, v.consumer).result; }
 Flat flatten(const ResendRequest& v) { return Flattener()(v.session, v.channel, v.numbers).result; }
+Flat flatten(const tracking::KeyframeLinks& v) {
+  return Flattener()(v.world_from_camera, v.matches.points, v.matches.lines, v.matches.planes, v.directions).result;
+}
+Flat flatten(const tracking::LandmarkPositions& v) { return Flattener()(v.points, v.lines, v.planes).result; }
 Flat flatten(const EndOfStream& v) { return Flattener()(v.session, v.frame_count, v.skipped_utimes).result; }
 Flat flatten(const Control& v) { return Flattener()(v.request_id, v.command, v.service).result; }
 Flat flatten(const ControlReply& v) { return Flattener()(v.request_id, v.service, v.ok, v.message).result; }

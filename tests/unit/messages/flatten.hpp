@@ -31,6 +31,8 @@ Flat flatten(const GraphRequest& request);
 Flat flatten(const MeshRequest& request);
 Flat flatten(const Acknowledge& acknowledge);
 Flat flatten(const ResendRequest& request);
+Flat flatten(const tracking::KeyframeLinks& links);
+Flat flatten(const tracking::LandmarkPositions& landmarks);
 Flat flatten(const EndOfStream& end);
 Flat flatten(const Control& control);
 Flat flatten(const ControlReply& reply);

@@ -110,7 +110,9 @@ TEST(Layout, NoTypeIsTakenForAnother) {
   add(encode(random_value<Control>(random)));
   add(encode(random_value<ControlReply>(random)));
   add(encode(random_value<ServiceStatus>(random)));
-  EXPECT_EQ(fingerprints.size(), 16U);
+  add(encode(random_value<tracking::KeyframeLinks>(random)));
+  add(encode(random_value<tracking::LandmarkPositions>(random)));
+  EXPECT_EQ(fingerprints.size(), 18U);
 }
 
 /// What docs/messages.md and the receive buffers count on.

@@ -304,6 +304,40 @@ ResendRequest random_value(Random& random) {
 }
 
 template <>
+tracking::KeyframeLinks random_value(Random& random) {
+  const auto matches = [&]<typename Match>(Match /*kind*/) {
+    return random_list(random, [&] {
+      return Match{random_int(random, 0, 999), random_id<decltype(Match::id)>(random)};
+    });
+  };
+  tracking::KeyframeLinks links;
+  links.world_from_camera = random_pose(random);
+  links.matches.points = matches(tracking::PointMatch{});
+  links.matches.lines = matches(tracking::LineMatch{});
+  links.matches.planes = matches(tracking::PlaneMatch{});
+  links.directions = random_list(random, [&] {
+    return egraph::Association{static_cast<std::size_t>(random_int(random, 0, 99)),
+                               random_id<egraph::LandmarkId>(random), random.uniform() < 0.5 ? 1.0 : -1.0,
+                               random.uniform(0, 9), random.uniform(0, 9)};
+  });
+  return links;
+}
+
+template <>
+tracking::LandmarkPositions random_value(Random& random) {
+  tracking::LandmarkPositions landmarks;
+  landmarks.points = random_list(random, [&] {
+    return tracking::LandmarkPositions::Point{random_vector<3>(random), random.uniform() < 0.5};
+  });
+  landmarks.lines = random_list(random, [&] {
+    return tracking::LandmarkPositions::Line{random_vector<3>(random), random_vector<3>(random),
+                                             random.uniform() < 0.5};
+  });
+  landmarks.planes = random_list(random, [&] { return geometry::Plane{random_unit(random), random.uniform(-9, 9)}; });
+  return landmarks;
+}
+
+template <>
 Control random_value(Random& random) {
   return {random_session(random), static_cast<Command>(random.index(2)), random_text(random, 64)};
 }

@@ -34,6 +34,10 @@ Acknowledge random_value(base::Random& random);
 template <>
 ResendRequest random_value(base::Random& random);
 template <>
+tracking::KeyframeLinks random_value(base::Random& random);
+template <>
+tracking::LandmarkPositions random_value(base::Random& random);
+template <>
 EndOfStream random_value(base::Random& random);
 template <>
 Control random_value(base::Random& random);
