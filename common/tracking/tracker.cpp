@@ -94,7 +94,7 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
   estimate_translation_with_rotation_fixed(frame);  // section 3.1, equation 1 with R known; section 5
   refine_against_map(frame);                        // section 5, frame-to-map refinement
 
-  if (lost_ && points_contradict(frame)) return recover(features, "planes fit here, but none of the expected points");
+  if (points_contradict(frame)) return recover(features, "planes fit here, but none of the expected points");
 
   const Observability observed = observability(frame.solution.information);
   const bool proven = frame.solution.inlier_points() >= options_.min_points_without_planes ||
@@ -274,7 +274,13 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
   return result;
 }
 
+bool Tracker::planes_are_unmistakable(const Frame& frame) const {
+  return !lost_ && 3.0 * frame.prediction.rotation_sigma < options_.search.max_plane_angle &&
+         3.0 * frame.prediction.translation_sigma < options_.search.max_plane_distance;
+}
+
 bool Tracker::points_contradict(const Frame& frame) const {
+  if (planes_are_unmistakable(frame)) return false;
   const auto expected = visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world);
   return static_cast<int>(expected.size()) >= options_.min_expected_points &&
          static_cast<int>(frame.features.points.size()) >= options_.min_expected_points &&

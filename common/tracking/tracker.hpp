@@ -90,7 +90,9 @@ class Tracker {
   void keep_inliers(Frame& frame) const;
   /// Whether one wall holds two turns and a distance while the third turn has been predicted for a short time only.
   [[nodiscard]] bool follows_one_wall(const Frame& frame, const Observability& observed) const;
-  /// After a loss: many points are expected and many are seen, but they are not the same.
+  /// Whether the prediction is sharper than the gates within which planes are matched: no other plane can stand in.
+  [[nodiscard]] bool planes_are_unmistakable(const Frame& frame) const;
+  /// After a loss or a long step: many points are expected and many are seen, but they are not the same.
   [[nodiscard]] bool points_contradict(const Frame& frame) const;
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
   [[nodiscard]] int features_of_last_keyframe(const Frame& frame) const;
