@@ -21,7 +21,7 @@ class EvalCommands : public testing::Test {
   EvalCommands() {
     std::vector<geometry::StampedPose> reference, estimate;
     const geometry::Pose motion{geometry::so3_exp({0.3, 0.2, 0.1}), {1, 2, 3}};
-    egraph::GraphSnapshot graph;
+    egraph::GraphWithEdges graph;
     for (int i = 0; i < 60; ++i) {
       const geometry::Pose pose{geometry::so3_exp({0, 0.05 * i, 0}), {0.02 * i, 0.001 * i * i, 0}};
       estimate.push_back({i / 30.0, pose});
