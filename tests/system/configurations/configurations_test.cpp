@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -29,7 +30,12 @@ using namespace std::chrono_literals;
 using test::file_bytes;
 using test::Program;
 
-constexpr char kUrl[] = "udpm://239.255.76.67:17661?ttl=0&recv_buf_size=2097152";
+/// Tests run side by side, each in a process of its own and on a port of its own.
+const std::string& url() {
+  static const std::string kUrl =
+      "udpm://239.255.76.67:" + std::to_string(20'000 + getpid() % 10'000) + "?ttl=0&recv_buf_size=2097152";
+  return kUrl;
+}
 constexpr int kFrames = 12;
 
 const std::vector<image::RgbdFrame>& frames() {
@@ -50,11 +56,11 @@ const std::vector<image::RgbdFrame>& frames() {
 class Configurations : public testing::Test {
  protected:
   Configurations() {
-    setenv("EGRAPH_LCM_URL", kUrl, 1);
+    setenv("EGRAPH_LCM_URL", url().c_str(), 1);
     setenv("EGRAPH_OUT", folder_.path().c_str(), 1);
     setenv("EGRAPH_CONSUMERS", "tracker,mapper", 1);
     unsetenv("EGRAPH_LOCKSTEP");
-    bus_ = transport::LcmBus::create({kUrl, ""}).value();
+    bus_ = transport::LcmBus::create({url(), ""}).value();
     count(messages::channels::kPose, poses_);
     count(messages::channels::kAcknowledge, acknowledgements_);
   }
