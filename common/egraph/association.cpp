@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <ranges>
 #include <span>
 
 #include "common/geometry/so3.hpp"
@@ -51,9 +50,10 @@ Association compare(std::size_t feature, const TurnedDirection& seen, const Dire
   return {feature, landmark.id, sign, chi2, chance_chi2(spread(seen.covariance), max_angle)};
 }
 
-/// `landmarks`: pointers to those that may be meant.
-void add_candidates(std::size_t feature, DirectionKind kind, const TurnedDirection& seen, auto&& landmarks,
-                    const AssociationOptions& options, std::vector<Association>& found) {
+/// `landmarks`: those that may be meant.
+void add_candidates(std::size_t feature, DirectionKind kind, const TurnedDirection& seen,
+                    std::span<const DirectionLandmark* const> landmarks, const AssociationOptions& options,
+                    std::vector<Association>& found) {
   const double min_cosine = std::cos(options.max_angle);
   const std::size_t first = found.size();
   int chances = 0;
@@ -98,9 +98,9 @@ std::vector<Association> candidates(std::span<const features::DirectionFeature> 
   std::vector<Association> found;
   for (std::size_t i = 0; i < directions.size(); ++i) {
     const TurnedDirection seen(directions[i], world_from_camera, rotation_covariance);
-    const std::vector<const DirectionLandmark*> near = graph.landmarks_near(seen.direction, options.max_angle);
-    const auto confirmed = [](const DirectionLandmark* l) { return l->kind != DirectionKind::potential_direction; };
-    add_candidates(i, directions[i].kind, seen, near | std::views::filter(confirmed), options, found);
+    std::vector<const DirectionLandmark*> near = graph.landmarks_near(seen.direction, options.max_angle);
+    std::erase_if(near, [](const DirectionLandmark* l) { return l->kind == DirectionKind::potential_direction; });
+    add_candidates(i, directions[i].kind, seen, near, options, found);
   }
   return found;
 }
@@ -116,9 +116,10 @@ std::optional<Association> associate(const features::DirectionFeature& direction
                                      const Eigen::Matrix3d& world_from_camera,
                                      const Eigen::Matrix3d& rotation_covariance, const AssociationOptions& options) {
   const TurnedDirection seen(direction, world_from_camera, rotation_covariance);
-  const auto address = [](const DirectionLandmark& landmark) { return &landmark; };
+  std::vector<const DirectionLandmark*> all;
+  for (const DirectionLandmark& landmark : landmarks) all.push_back(&landmark);
   std::vector<Association> found;
-  add_candidates(0, direction.kind, seen, landmarks | std::views::transform(address), options, found);
+  add_candidates(0, direction.kind, seen, all, options, found);
   found = best_of_each(found);
   return found.empty() ? std::nullopt : std::optional(found.front());
 }

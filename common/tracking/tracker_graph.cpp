@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <iterator>
-#include <ranges>
 
 #include "common/tracking/relative_poses.hpp"
 #include "common/tracking/tracker.hpp"
@@ -35,7 +34,9 @@ void Tracker::report_moved_keyframes(egraph::Keyframe& keyframe) const {
     keyframe.relative_poses.insert(keyframe.relative_poses.end(), measured.begin(), measured.end());
   };
   // The newest first: of the rest the server hears with the next keyframe.
-  for (const MapKeyframe& older : map_.keyframes() | std::views::reverse) {
+  const std::span<const MapKeyframe> all = map_.keyframes();
+  for (auto at = all.rbegin(); at != all.rend(); ++at) {
+    const MapKeyframe& older = *at;
     const egraph::KeyframeNode* node = graph_.find_keyframe(older.id);
     if (node == nullptr || equal(node->world_from_camera, older.world_from_camera)) continue;
     if (keyframe.moved.size() == kMaxReported) break;
