@@ -40,7 +40,8 @@ base::Status check_journal(const std::filesystem::path& path, std::uint64_t sche
 base::Status write_journal(const std::filesystem::path& path, std::uint64_t schema,
                            const std::function<void(const std::function<void(const JournalRecord&)>& add)>& fill);
 
-/// An append-only file of records. What append() has confirmed survives the process and the machine.
+/// An append-only file of records. What append() has confirmed survives the process and the machine. (The services' logs
+/// of messages, which survive the process only and are ten times larger, are service::MessageJournal.)
 class Journal {
  public:
   /// Writes a new journal, whole or not at all, in the place of whatever is under `path`.

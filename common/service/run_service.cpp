@@ -2,13 +2,12 @@
 
 #include <cstdio>
 #include <exception>
-#include <system_error>
 
 #include "common/service/command_line.hpp"
 #include "common/service/configuration.hpp"
 #include "common/service/logging.hpp"
 #include "common/service/service.hpp"
-#include "common/service/service_loop.hpp"
+#include "common/service/service_group.hpp"
 #include "common/service/stop_signals.hpp"
 #include "common/transport/lcm_bus.hpp"
 
@@ -23,11 +22,11 @@ int report(const std::string& message) {
 }
 
 /// Runs until the end is asked for, or something goes wrong. In any case the results are saved.
-int run_loop(ServiceLoop& loop) {
+int run_group(ServiceGroup& group) {
   int exit_code = 0;
   try {
-    while (!stop_requested() && !loop.ended()) {
-      const base::Status step = loop.step(kStep);
+    while (!stop_requested() && !group.ended()) {
+      const base::Status step = group.step(kStep);
       if (!step && !stop_requested()) {
         exit_code = report(step.error().message);
         break;
@@ -36,23 +35,15 @@ int run_loop(ServiceLoop& loop) {
   } catch (const std::exception& exception) {
     exit_code = report(exception.what());
   }
-  const base::Status saved = loop.save();
+  const base::Status saved = group.save();
   return saved ? exit_code : report(saved.error().message);
 }
 
 int run(const ServiceProgram& program, const ServiceOptions& options) {
-  if (!options.out.empty()) {
-    std::error_code failure;
-    std::filesystem::create_directories(options.out, failure);
-    if (failure) return report("cannot make the folder " + options.out.string() + ": " + failure.message());
-  }
   auto bus = transport::LcmBus::create({options.lcm_url, options.channel_prefix});
   if (!bus) return report(bus.error().message);
-  ServiceContext context(**bus, options);
-  auto service = program.make(context);
-  if (!service) return report(service.error().message);
-  ServiceLoop loop(**bus, context, **service);
-  return run_loop(loop);
+  const auto group = ServiceGroup::make(**bus, program, options);
+  return group ? run_group(**group) : report(group.error().message);
 }
 
 }  // namespace

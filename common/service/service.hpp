@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/result.hpp"
 #include "common/io/config.hpp"
@@ -28,6 +29,7 @@ struct ServiceOptions {
   std::filesystem::path config_file;  ///< --config; empty: the defaults
   std::filesystem::path out;          ///< --out, an existing folder; empty: save nothing
   bool lockstep = false;              ///< --lockstep
+  std::string robot = {};             ///< prefix of the one of several robots that this is for; comes behind the other
 };
 
 /// How many messages may wait while a service is busy; what comes then is dropped, so that a slow service costs neither
@@ -98,6 +100,10 @@ struct ServiceProgram {
 
   /// Optional: adds options of the service's own to the command line (CLI/CLI.hpp; give each an envname).
   std::function<void(CLI::App&)> add_options;
+
+  /// Channel prefixes of several robots that one process serves, each by a service of its own (ServiceGroup); an option
+  /// of add_options may set them. Empty: one service, for whoever has --channel-prefix.
+  std::vector<std::string> robots;
 
   /// Optional: the keys of the service's section in the configuration file. They refer to variables that outlive
   /// run_service(), such as main()'s own. One file may hold a section for every service; each reads only its own.

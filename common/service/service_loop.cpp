@@ -82,7 +82,9 @@ void ServiceLoop::publish_status() {
   const messages::ServiceStatus status = context_.status().status(now_utime<system_clock>());
   context_.publish(messages::channels::kStatus, status);
   if (status.rejected > reported_rejections_) {
-    spdlog::warn("{} messages rejected so far, the last: {}", status.rejected, status.last_rejection);
+    const std::string& robot = context_.options().robot;
+    spdlog::warn("{}{} messages rejected so far, the last: {}", robot.empty() ? robot : robot + ": ", status.rejected,
+                 status.last_rejection);
     reported_rejections_ = status.rejected;
   }
   next_status_ = steady_clock::now() + kStatusPeriod;

@@ -72,7 +72,8 @@ class EventLogWriter {
   static base::Result<EventLogWriter> create(const std::filesystem::path& path);
 
   /// Goes on behind the first `size` bytes of a log, which hold `events` whole events; what follows them is cut off.
-  static base::Result<EventLogWriter> append(const std::filesystem::path& path, std::uint64_t size, std::int64_t events);
+  static base::Result<EventLogWriter> append(const std::filesystem::path& path, std::uint64_t size,
+                                             std::int64_t events);
 
   /// @param channel as it is on the network, with its prefix
   base::Status write(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t utime);
@@ -80,12 +81,15 @@ class EventLogWriter {
   /// Brings everything to the file; says whether all of it got there.
   base::Status flush();
 
+  [[nodiscard]] std::uint64_t size() const { return size_; }  ///< bytes of the log
+
  private:
   EventLogWriter(std::ofstream file, std::filesystem::path path) : file_(std::move(file)), path_(std::move(path)) {}
 
   std::ofstream file_;
   std::filesystem::path path_;
   std::int64_t events_written_ = 0;
+  std::uint64_t size_ = 0;
 };
 
 }  // namespace eg::transport

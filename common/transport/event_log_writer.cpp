@@ -28,6 +28,7 @@ base::Result<EventLogWriter> EventLogWriter::append(const std::filesystem::path&
   if (!file) return base::fail("cannot write the log " + path.string() + reason());
   EventLogWriter writer(std::move(file), path);
   writer.events_written_ = events;
+  writer.size_ = size;
   return writer;
 }
 
@@ -47,6 +48,7 @@ base::Status EventLogWriter::write(std::string_view channel, std::span<const std
   file_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!file_) return base::fail("cannot write the log " + path_.string() + reason());
   ++events_written_;
+  size_ += kEventHeaderBytes + channel.size() + bytes.size();
   return {};
 }
 

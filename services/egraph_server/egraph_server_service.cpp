@@ -31,8 +31,8 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 EGraphServerService::EGraphServerService(service::ServiceContext& context, egraph::GraphBuilderOptions options,
-                                         std::filesystem::path state)
-    : context_(context), options_(options), state_(std::move(state)) {
+                                         std::filesystem::path state, GraphStoreOptions store)
+    : context_(context), options_(options), state_(std::move(state)), store_options_(store) {
   context_.subscribe<egraph::Keyframe>(messages::channels::kKeyframe, service::kStateQueue,
                                        [this](const egraph::Keyframe& keyframe) { on_keyframe(keyframe); });
   context_.subscribe<messages::GraphRequest>(messages::channels::kGraphRequest, 30,
@@ -48,7 +48,7 @@ base::Result<EGraphServerService::Session*> EGraphServerService::open(std::int64
   }
   Session session{egraph::GraphBuilder(options_), {}, {}, false};
   if (!state_.empty()) {
-    session.store.emplace(state_, id);
+    session.store.emplace(state_, id, store_options_);
     auto stored = session.store->load();
     if (!stored) return tl::make_unexpected(stored.error());
     if (!stored->warning.empty()) spdlog::warn(stored->warning);
@@ -70,7 +70,7 @@ void EGraphServerService::on_keyframe(const egraph::Keyframe& keyframe) {
   const egraph::Arrival arrival = builder.arrival_of(keyframe);
   const auto update = builder.add_keyframe(keyframe);
   if (update) {
-    const auto kept = (*session)->store ? (*session)->store->append(*update, builder.graph()) : base::Status();
+    const auto kept = (*session)->store ? (*session)->store->append(*update, builder) : base::Status();
     if (!kept) {
       return context_.status().count_rejected("KEYFRAME: " + kept.error().message);  // it will come again
     }

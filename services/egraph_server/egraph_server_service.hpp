@@ -20,7 +20,7 @@ class EGraphServerService : public service::Service {
  public:
   /// `state`: the folder of the journals; empty: nothing is kept.
   EGraphServerService(service::ServiceContext& context, egraph::GraphBuilderOptions options,
-                      std::filesystem::path state = {});
+                      std::filesystem::path state = {}, GraphStoreOptions store = {});
 
   /// Writes egraph.json, or egraph-<session>.json for each of several sessions, also of those that were not heard of
   /// since the server was started.
@@ -45,6 +45,7 @@ class EGraphServerService : public service::Service {
   service::ServiceContext& context_;
   egraph::GraphBuilderOptions options_;
   std::filesystem::path state_;
+  GraphStoreOptions store_options_;
   std::map<std::int64_t, Session> sessions_;
 };
 

@@ -23,6 +23,13 @@ class Replay {
   Replay(std::int64_t session, ReplayedGraph& result) : session_(session), result_(result) {}
 
   base::Status add(const io::JournalRecord& record) {
+    const base::Status taken = take(record);
+    if (!is_begun_) result_.first_bytes += record.bytes.size();
+    return taken;
+  }
+
+ private:
+  base::Status take(const io::JournalRecord& record) {
     switch (static_cast<RecordKind>(record.kind)) {
       case RecordKind::snapshot_part:
         return take<egraph::GraphSnapshot>(record.bytes);
@@ -32,7 +39,6 @@ class Replay {
     return base::fail("is of an unknown kind");
   }
 
- private:
   template <typename Message>
   base::Status take(std::string_view bytes) {
     const auto message = messages::decode<Message>(bytes_of(bytes));
@@ -45,11 +51,19 @@ class Replay {
     const auto whole = parts_.add(part);
     return whole ? result_.state.reset(*whole) : base::Status();
   }
-  base::Status put(const egraph::GraphUpdate& update) { return result_.state.apply(update); }
+  base::Status put(const egraph::GraphUpdate& update) {
+    if (update.version > result_.state.graph.version()) {
+      is_begun_ = true;
+      return result_.state.apply(update);
+    }
+    result_.state.remember(update);  // behind a snapshot: an answer that led to it and may be asked for again
+    return {};
+  }
 
   std::int64_t session_;
   ReplayedGraph& result_;
   egraph::SnapshotAssembler parts_;
+  bool is_begun_ = false;  ///< an update has led beyond what the journal was begun with
 };
 
 }  // namespace

@@ -23,6 +23,7 @@ std::uint64_t journal_schema();
 struct ReplayedGraph {
   egraph::BuilderState state;
   std::size_t sound_bytes = 0;  ///< of the journal, up to its end or the first damage
+  std::size_t first_bytes = 0;  ///< of it, what it was begun with: a snapshot and the answers that led there
   std::string damage;           ///< in a few words; empty: none
 };
 

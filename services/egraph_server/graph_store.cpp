@@ -22,7 +22,6 @@ constexpr std::string_view kExtension = ".journal";
 
 /// Updates repeat landmarks: a journal that has grown to this multiple of its first length is rewritten as a snapshot.
 constexpr std::size_t kCompactionFactor = 4;
-constexpr std::size_t kMinCompactionBytes = std::size_t{16} << 20U;
 
 std::string_view text_of(const messages::Bytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -44,8 +43,10 @@ std::string put_aside(const fs::path& path, const std::string& damage) {
 
 }  // namespace
 
-GraphStore::GraphStore(const fs::path& folder, std::int64_t session)
-    : path_(folder / (std::string(kPrefix) + std::to_string(session) + std::string(kExtension))), session_(session) {}
+GraphStore::GraphStore(const fs::path& folder, std::int64_t session, const GraphStoreOptions& options)
+    : path_(folder / (std::string(kPrefix) + std::to_string(session) + std::string(kExtension))),
+      session_(session),
+      options_(options) {}
 
 std::vector<std::int64_t> GraphStore::sessions_in(const fs::path& folder) {
   std::vector<std::int64_t> sessions;
@@ -86,18 +87,18 @@ base::Result<StoredGraph> GraphStore::load() {
   if (!replayed->damage.empty()) stored.warning = put_aside(path_, replayed->damage);
   auto journal = io::Journal::open(path_, replayed->sound_bytes);
   if (!journal) return tl::make_unexpected(journal.error());
-  go_on_with(std::move(*journal));
+  go_on_with(std::move(*journal), replayed->first_bytes);
   version_ = stored.state.graph.version();
   return stored;
 }
 
-base::Status GraphStore::append(const egraph::GraphUpdate& update, const egraph::Graph& graph) {
+base::Status GraphStore::append(const egraph::GraphUpdate& update, const egraph::GraphBuilder& builder) {
   if (update.version <= version_) return {};
   const bool follows = update.base_version == version_;
   if (!journal_ && follows) {
     if (const auto begun = begin({}); !begun) return begun;
   }
-  if (!follows || journal_->size() > compact_at_) return replace(graph);
+  if (!follows || journal_->size() > compact_at_) return replace(builder.graph(), builder.recent_updates());
   const messages::Bytes bytes = messages::encode(update);
   const auto written = journal_->append({static_cast<std::uint8_t>(RecordKind::update), text_of(bytes)});
   if (!written) return written;
@@ -105,13 +106,16 @@ base::Status GraphStore::append(const egraph::GraphUpdate& update, const egraph:
   return {};
 }
 
-base::Status GraphStore::replace(const egraph::Graph& graph) {
-  std::vector<messages::Bytes> parts;
+base::Status GraphStore::replace(const egraph::Graph& graph, const std::deque<egraph::GraphUpdate>& recent) {
+  std::deque<messages::Bytes> messages;  // stay where they are: the records point into them
   std::vector<io::JournalRecord> records;
+  const auto add = [&](RecordKind kind, messages::Bytes message) {
+    records.push_back({static_cast<std::uint8_t>(kind), text_of(messages.emplace_back(std::move(message)))});
+  };
   for (const egraph::GraphSnapshot& part : egraph::split(graph.snapshot(session_))) {
-    parts.push_back(messages::encode(part));
-    records.push_back({static_cast<std::uint8_t>(RecordKind::snapshot_part), text_of(parts.back())});
+    add(RecordKind::snapshot_part, messages::encode(part));
   }
+  for (const egraph::GraphUpdate& update : recent) add(RecordKind::update, messages::encode(update));
   if (const auto written = begin(records); !written) return written;
   version_ = graph.version();
   return {};
@@ -120,13 +124,14 @@ base::Status GraphStore::replace(const egraph::Graph& graph) {
 base::Status GraphStore::begin(std::span<const io::JournalRecord> records) {
   auto journal = io::Journal::create(path_, journal_schema(), records);
   if (!journal) return tl::make_unexpected(journal.error());
-  go_on_with(std::move(*journal));
+  const std::size_t first_bytes = journal->size();
+  go_on_with(std::move(*journal), first_bytes);
   return {};
 }
 
-void GraphStore::go_on_with(io::Journal journal) {
+void GraphStore::go_on_with(io::Journal journal, std::size_t first_bytes) {
   journal_ = std::move(journal);
-  compact_at_ = std::max(kMinCompactionBytes, kCompactionFactor * journal_->size());
+  compact_at_ = std::max(options_.compaction_bytes, kCompactionFactor * first_bytes);
 }
 
 }  // namespace eg::services

@@ -72,9 +72,9 @@ base::Status MapperService::load(const std::filesystem::path& archive) {
 base::Status MapperService::open_journal() {
   if (context_.options().out.empty()) return {};
   const std::filesystem::path path = context_.options().out / (with_share("mapper") + ".journal");
-  auto journal =
-      resume_ ? service::Journal::resume(path, [this](const transport::LogEvent& event) { return replay(event); })
-              : service::Journal::create(path);
+  auto journal = resume_ ? service::MessageJournal::resume(
+                               path, [this](const transport::LogEvent& event) { return replay(event); })
+                         : service::MessageJournal::create(path);
   if (!journal) return tl::make_unexpected(journal.error());
   journal_ = std::move(*journal);
   return {};

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/service/correction_follower.hpp"
-#include "common/service/journal.hpp"
+#include "common/service/message_journal.hpp"
 #include "common/service/service.hpp"
 #include "services/mapper/keyframe_map.hpp"
 #include "services/mapper/keyframe_queue.hpp"
@@ -82,7 +82,7 @@ class MapperService : public service::Service {
   std::map<std::int64_t, messages::CompressedFrame> frames_;  ///< by sequence
   std::map<std::int64_t, tracking::PoseEstimate> poses_;      ///< lockstep: by sequence
   bool resume_;
-  std::optional<service::Journal> journal_;
+  std::optional<service::MessageJournal> journal_;
   std::optional<messages::CompressedFrame> replayed_;  ///< the journal's last frame
 };
 

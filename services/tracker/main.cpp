@@ -11,11 +11,16 @@ int main(int argc, char** argv) {
   program.name = "tracker";
   program.description = "Tracks the camera: rotation from the E-Graph, translation, frame-to-map refinement, keyframes";
   bool resume = false;
+  int journal_limit_mb = static_cast<int>(eg::services::kMostJournalBytes / 1'000'000);
   std::string archive;
   program.add_options = [&](CLI::App& app) {
     app.add_option("--load", archive, "Map archive (the --out of an earlier run) to go on in")->envname("EGRAPH_LOAD");
     app.add_flag("--resume", resume, "Keep a journal in --out and go on from the one that a killed tracker left there")
         ->envname("EGRAPH_RESUME");
+    app.add_option("--journal-limit", journal_limit_mb, "MB of the journal, beyond which the tracker goes on without")
+        ->envname("EGRAPH_JOURNAL_LIMIT")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
   };
   program.configure = [&options](eg::io::ConfigSchema& section) {
     section
@@ -50,7 +55,8 @@ int main(int argc, char** argv) {
       if (const auto loaded = tracker->load(archive); !loaded) return tl::make_unexpected(loaded.error());
     }
     if (resume && !context.options().out.empty()) {
-      if (const auto resumed = tracker->resume(); !resumed) return tl::make_unexpected(resumed.error());
+      const auto limit = std::uint64_t{1'000'000} * static_cast<std::uint64_t>(journal_limit_mb);
+      if (const auto resumed = tracker->resume(limit); !resumed) return tl::make_unexpected(resumed.error());
     }
     return tracker;
   };

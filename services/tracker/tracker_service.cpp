@@ -104,11 +104,11 @@ void TrackerService::leave_session() {
     if (!saved) spdlog::error("{} could not be saved: {}", name, saved.error().message);
   }
   if (!journal_) return;
-  auto begun = service::Journal::create(out / kJournal);
+  auto begun = service::MessageJournal::create(out / kJournal);
   if (begun) {
     journal_ = std::move(*begun);
   } else {
-    stop_journal(begun.error());
+    stop_journal(begun.error().message);
   }
 }
 
@@ -221,9 +221,11 @@ TrackerService::Answer TrackerService::compute(const features::FrameFeatures& fr
   return answer;
 }
 
-void TrackerService::stop_journal(const base::Error& error) {
-  spdlog::warn("a tracker that is killed from now on cannot resume: {}", error.message);
+void TrackerService::stop_journal(const std::string& why) {
+  spdlog::warn("a tracker that is killed from now on cannot resume: {}", why);
   journal_.reset();
+  std::error_code ignored;  // what cannot be written can mostly be removed; if not, the sentence above holds as well
+  std::filesystem::remove(context_.options().out / kJournal, ignored);
 }
 
 tracking::PoseEstimate TrackerService::remember(tracking::PoseEstimate estimate) {
@@ -234,9 +236,11 @@ tracking::PoseEstimate TrackerService::remember(tracking::PoseEstimate estimate)
   return estimate;
 }
 
-base::Status TrackerService::resume() {
+base::Status TrackerService::resume(std::uint64_t most_bytes) {
+  most_journal_bytes_ = most_bytes;
   const std::filesystem::path path = context_.options().out / kJournal;
-  auto journal = service::Journal::resume(path, [this](const transport::LogEvent& event) { return replay(event); });
+  auto journal =
+      service::MessageJournal::resume(path, [this](const transport::LogEvent& event) { return replay(event); });
   if (!journal) return tl::make_unexpected(journal.error());
   journal_ = std::move(*journal);
   return {};
@@ -267,7 +271,10 @@ template <typename T>
 void TrackerService::note(const char* channel, const T& value) {
   if (!journal_) return;
   const base::Status written = journal_->add(channel, value);
-  if (!written) stop_journal(written.error());
+  if (!written) return stop_journal(written.error().message);
+  if (journal_->size() > most_journal_bytes_) {
+    stop_journal("the journal of " + std::to_string(journal_->size() / 1'000'000) + " MB is larger than it may be");
+  }
 }
 
 void TrackerService::say(const Answer& news) {

@@ -4,12 +4,16 @@
 #include <deque>
 #include <filesystem>
 #include <optional>
+#include <string>
 
-#include "common/service/journal.hpp"
+#include "common/service/message_journal.hpp"
 #include "common/service/service.hpp"
 #include "services/tracker/tracked_session.hpp"
 
 namespace eg::services {
+
+/// More than an hour at 30 frames a second.
+inline constexpr std::uint64_t kMostJournalBytes = 16'000'000'000;
 
 /// FEATURES in; POSE, KEYFRAME and POSE_CORRECTION out. Keeps its replica of the E-Graph by EGRAPH_UPDATE.
 ///
@@ -34,9 +38,10 @@ class TrackerService : public service::Service {
   /// Once, before the first message: goes on in the map archive of an earlier session. Refuses a damaged one.
   base::Status load(const std::filesystem::path& archive);
 
-  /// Once, before the first message: goes on from tracker.journal in the output folder and keeps it from now on. Fails
-  /// if it cannot be written or is damaged.
-  base::Status resume();
+  /// Once, before the first message: goes on from tracker.journal in the output folder and keeps it from now on, until
+  /// it is larger than `most_bytes`: then it is removed with a warning, and the tracker goes on without. Fails if it
+  /// cannot be written or is damaged.
+  base::Status resume(std::uint64_t most_bytes = kMostJournalBytes);
 
   void idle(std::int64_t now_utime) override;
 
@@ -73,7 +78,8 @@ class TrackerService : public service::Service {
   base::Status replay(const transport::LogEvent& event);
   template <typename T>
   void note(const char* channel, const T& value);
-  void stop_journal(const base::Error& error);
+  /// Goes on without, and leaves none that would end before the state that others have heard of.
+  void stop_journal(const std::string& why);
   void say(const Answer& news);
   void answer(const tracking::PoseEstimate& estimate);
   void acknowledge(std::int64_t sequence);
@@ -85,7 +91,8 @@ class TrackerService : public service::Service {
   tracking::TrackerOptions options_;
   TrackedSession session_;
   std::deque<std::int64_t> former_sessions_;
-  std::optional<service::Journal> journal_;
+  std::optional<service::MessageJournal> journal_;
+  std::uint64_t most_journal_bytes_ = kMostJournalBytes;
   std::int64_t now_utime_ = 0;  ///< as idle() was told last
   std::int64_t last_digest_utime_ = 0;
   std::int64_t last_announcement_utime_ = 0;

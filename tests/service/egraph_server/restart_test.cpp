@@ -64,6 +64,32 @@ TEST_F(RestartedServer, IsTheSameAsOneThatWasNeverKilled) {
   }
 }
 
+TEST_F(RestartedServer, RewritesAJournalThatHasGrownAndLosesNothing) {
+  constexpr int kKeyframes = 280;  // several times the answers that are kept to be given again
+  set_store_options({.compaction_bytes = 150'000});
+  restart();
+  egraph::GraphBuilder undisturbed;
+  std::uintmax_t bytes_before = 0;
+  int rewritten = 0;
+  for (int id = 0; id < kKeyframes; ++id) {
+    send(keyframe(1, id));
+    const messages::Bytes expected = messages::encode(undisturbed.add_keyframe(keyframe(1, id)).value());
+    ASSERT_EQ(messages::encode(updates_->back()), expected) << "keyframe " << id;
+    const bool is_shorter = std::filesystem::file_size(file(kJournal)) < bytes_before;
+    bytes_before = std::filesystem::file_size(file(kJournal));
+    if (!is_shorter && id % 40 != 0) continue;
+    rewritten += is_shorter ? 1 : 0;
+    restart();
+    send(keyframe(1, id));
+    EXPECT_EQ(messages::encode(updates_->back()), expected) << "the answer to keyframe " << id << " is given again";
+    if (id == 0) continue;
+    send(keyframe(1, id - 1));
+    EXPECT_EQ(updates_->back().keyframe.id.value, id - 1) << "and the one before";
+  }
+  EXPECT_EQ(rewritten, 1);
+  EXPECT_EQ(graph_of_server(), messages::encode(undisturbed.graph().snapshot(1)));
+}
+
 TEST_F(RestartedServer, RepeatsTheAnswersOfItsFirstLife) {
   for (int id = 0; id < 3; ++id) send(keyframe(1, id));
   restart();

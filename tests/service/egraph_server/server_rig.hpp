@@ -69,6 +69,9 @@ class EGraphServer : public testing::Test {
   [[nodiscard]] std::filesystem::path file(const char* name) const { return folder_.path() / name; }
   [[nodiscard]] bool written(const char* name) const { return std::filesystem::exists(file(name)); }
 
+  /// What a server that is started from now on keeps its journals by.
+  void set_store_options(const GraphStoreOptions& options) { store_options_ = options; }
+
   test::TemporaryFolder folder_;
   std::shared_ptr<transport::MemoryNetwork> network_;
   test::BusPeer peer_{network_};
@@ -87,8 +90,11 @@ class EGraphServer : public testing::Test {
     options.out = folder_.path();
     bus_ = std::make_unique<transport::MemoryBus>(network_);
     context_ = std::make_unique<service::ServiceContext>(*bus_, options);
-    service_ = std::make_unique<EGraphServerService>(*context_, egraph::GraphBuilderOptions{}, folder_.path());
+    service_ =
+        std::make_unique<EGraphServerService>(*context_, egraph::GraphBuilderOptions{}, folder_.path(), store_options_);
   }
+
+  GraphStoreOptions store_options_;
 };
 
 }  // namespace eg::services

@@ -83,7 +83,8 @@ TEST_F(MapperRestartTest, ADamagedJournalIsNamedAndRefused) {
   file.seekp(0);
   file << "damage";
   file.close();
-  const auto refused = service::Journal::resume(journal(), [](const transport::LogEvent&) { return base::Status(); });
+  const auto refused =
+      service::MessageJournal::resume(journal(), [](const transport::LogEvent&) { return base::Status(); });
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("mapper.journal"), std::string::npos) << refused.error().message;
 }

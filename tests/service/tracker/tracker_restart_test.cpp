@@ -93,6 +93,20 @@ TEST_F(TrackerRestart, HalfAFrameAtTheEndIsTrackedAgain) {
   expect_undisturbed(resumed);
 }
 
+TEST_F(TrackerRestart, AJournalThatIsTooLargeIsGivenUpAndNothingElse) {
+  constexpr std::size_t kKept = 5;
+  const auto journal = folder_.path() / "tracker.journal";
+  Rig killed(true, {}, folder_.path());
+  send(killed, 0, kKept);
+  const std::uintmax_t bytes = std::filesystem::file_size(journal);
+  Rig rig(true, {}, folder_.path(), bytes + 1);  // its former length counts
+  take_over_server(rig, killed);
+  EXPECT_TRUE(std::filesystem::exists(journal));
+  send(rig, kKept, kFrames);
+  EXPECT_FALSE(std::filesystem::exists(journal)) << "half a session would be of no use";
+  expect_undisturbed(rig);
+}
+
 TEST_F(TrackerRestart, ADamagedJournalIsRefusedByName) {
   {
     Rig killed(true, {}, folder_.path());

@@ -35,7 +35,7 @@ class Rig {
  public:
   /// `out`: empty for a folder of its own and no journal.
   explicit Rig(bool lockstep, const transport::MemoryNetwork::Disturbance& disturbance = {},
-               const std::filesystem::path& out = {})
+               const std::filesystem::path& out = {}, std::uint64_t most_journal_bytes = kMostJournalBytes)
       : out_(out.empty() ? folder_.path() : out),
         network_(std::make_shared<transport::MemoryNetwork>(disturbance)),
         bus_(network_),
@@ -47,7 +47,7 @@ class Rig {
         keyframes(peer_.collect<egraph::Keyframe>(channels::kKeyframe)),
         requests(peer_.collect<messages::GraphRequest>(channels::kGraphRequest)) {
     if (out.empty()) return;
-    const auto resumed = service_.resume();
+    const auto resumed = service_.resume(most_journal_bytes);
     EXPECT_TRUE(resumed) << resumed.error().message;
   }
 

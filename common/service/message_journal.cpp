@@ -1,4 +1,4 @@
-#include "common/service/journal.hpp"
+#include "common/service/message_journal.hpp"
 
 #include <optional>
 #include <string>
@@ -13,7 +13,7 @@ struct Extent {
 };
 
 base::Result<Extent> replay_all(transport::EventLogReader& reader, const std::filesystem::path& path,
-                                const Journal::Replay& replay) {
+                                const MessageJournal::Replay& replay) {
   Extent extent;
   for (;; ++extent.events) {
     extent.bytes = reader.position();
@@ -35,13 +35,13 @@ base::Result<Extent> replay_all(transport::EventLogReader& reader, const std::fi
 
 }  // namespace
 
-base::Result<Journal> Journal::create(const std::filesystem::path& path) {
+base::Result<MessageJournal> MessageJournal::create(const std::filesystem::path& path) {
   auto writer = transport::EventLogWriter::create(path);
   if (!writer) return tl::make_unexpected(writer.error());
-  return Journal(std::move(*writer));
+  return MessageJournal(std::move(*writer));
 }
 
-base::Result<Journal> Journal::resume(const std::filesystem::path& path, const Replay& replay) {
+base::Result<MessageJournal> MessageJournal::resume(const std::filesystem::path& path, const Replay& replay) {
   if (!std::filesystem::exists(path)) return create(path);
   auto reader = transport::EventLogReader::open(path);
   if (!reader) return tl::make_unexpected(reader.error());
@@ -49,10 +49,10 @@ base::Result<Journal> Journal::resume(const std::filesystem::path& path, const R
   if (!extent) return tl::make_unexpected(extent.error());
   auto writer = transport::EventLogWriter::append(path, extent->bytes, extent->events);
   if (!writer) return tl::make_unexpected(writer.error());
-  return Journal(std::move(*writer));
+  return MessageJournal(std::move(*writer));
 }
 
-base::Status Journal::add_bytes(const char* channel, const messages::Bytes& bytes) {
+base::Status MessageJournal::add_bytes(const char* channel, const messages::Bytes& bytes) {
   const base::Status written = writer_.write(channel, bytes, 0);
   return written ? writer_.flush() : written;
 }
