@@ -1,6 +1,8 @@
 #include "services/frame_source/live_source_service.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <stdexcept>
 #include <utility>
 
 #include "common/messages/channels.hpp"
@@ -12,11 +14,21 @@ constexpr int kQueue = 2;  // what waits longer is out of date
 
 }  // namespace
 
-LiveSourceService::LiveSourceService(service::ServiceContext& context, LiveSourceOptions options)
+LiveSourceService::LiveSourceService(service::ServiceContext& context, LiveSourceOptions options,
+                                     std::unique_ptr<CameraDevice> device)
     : context_(context), options_(std::move(options)), store_(kFramesStored) {
   context_.status().set_state("waiting for a camera");
-  context_.subscribe<messages::bot::Images>(options_.channel.c_str(), kQueue,
-                                            [this](const messages::bot::Images& images) { on_images(images); });
+  if (device) {
+    reader_ = std::make_unique<CameraReader>(std::move(device));
+  } else {
+    context_.subscribe<messages::bot::Images>(options_.channel.c_str(), kQueue,
+                                              [this](const messages::bot::Images& images) { on_images(images); });
+  }
+  context_.subscribe<messages::Acknowledge>(messages::channels::kAcknowledge, service::kSmallQueue,
+                                            [this](const messages::Acknowledge& acknowledge) {
+                                              if (acknowledge.session == options_.session)
+                                                sent_ = std::max(sent_, acknowledge.sequence + 1);
+                                            });
   context_.subscribe<messages::ResendRequest>(
       messages::channels::kResend, kRequestQueue, [this](const messages::ResendRequest& request) {
         if (request.session == options_.session && request.channel == messages::channels::kRgbd)
@@ -43,9 +55,19 @@ void LiveSourceService::on_images(const messages::bot::Images& images) {
 }
 
 void LiveSourceService::idle(std::int64_t /*now_utime*/) {
+  if (reader_) read_camera();
   // One a round: new frames go first.
   if (const SourceFrame* frame = store_.next()) {
     context_.publish(messages::channels::kRgbd, std::get<messages::CompressedFrame>(*frame));
+  }
+}
+
+void LiveSourceService::read_camera() {
+  while (true) {
+    const auto images = reader_->take();
+    if (!images) throw std::runtime_error(images.error().message);
+    if (!images->has_value()) return;
+    on_images(**images);
   }
 }
 

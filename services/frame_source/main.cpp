@@ -1,19 +1,33 @@
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <string>
 
 #include "common/io/camera_file.hpp"
 #include "common/io/config.hpp"
 #include "services/frame_source/frame_source_service.hpp"
 #include "services/frame_source/live_source_service.hpp"
+#include "services/frame_source/openni/openni_camera.hpp"
 
 namespace {
 
 using namespace eg;
 
-void add_options(CLI::App& app, services::FrameSourceOptions& options, std::string& live) {
-  app.add_option("--live", live,
-                 "Channel of a live camera (bot_core.images_t, e.g. OPENNI_FRAME) instead of a data set")
-      ->envname("EGRAPH_LIVE");
+/// Where images come from that are no recording.
+struct LiveOptions {
+  std::string channel;
+  std::string openni;
+};
+
+void add_options(CLI::App& app, services::FrameSourceOptions& options, LiveOptions& live) {
+  auto* const channel =
+      app.add_option("--live", live.channel,
+                     "Channel of a live camera (bot_core.images_t, e.g. OPENNI_FRAME) instead of a data set")
+          ->envname("EGRAPH_LIVE");
+  app.add_option("--openni", live.openni, "Camera at this machine, through OpenNI2: 'any', or its URI")
+      ->envname("EGRAPH_OPENNI")
+      ->excludes(channel);
   app.add_option("--dataset", options.input.dataset,
                  "Folder in TUM RGB-D or ICL-NUIM layout, synthetic:SCENE or log:FILE")
       ->envname("EGRAPH_DATASET")
@@ -47,14 +61,24 @@ void configure(io::ConfigSchema& section, services::FrameSourceOptions& options)
       .field("noise", options.input.noise, "of a structured-light depth camera and its colour camera");
 }
 
-base::Result<std::unique_ptr<service::Service>> make_live(service::ServiceContext& context, const std::string& channel,
+base::Result<std::unique_ptr<service::Service>> make_live(service::ServiceContext& context, const LiveOptions& live,
                                                           const services::InputOptions& input) {
-  if (context.options().lockstep) return base::fail("--live: a camera waits for nobody, so not with --lockstep");
-  if (input.camera.empty()) return base::fail("--live needs --camera: the images do not say which camera took them");
+  const std::string option = live.openni.empty() ? "--live" : "--openni";
+  if (context.options().lockstep) return base::fail(option + ": a camera waits for nobody, so not with --lockstep");
+  if (input.camera.empty()) {
+    return base::fail(option + " needs --camera: the images do not say which camera took them");
+  }
   auto camera = io::read_camera(input.camera);
   if (!camera) return tl::make_unexpected(camera.error());
-  services::LiveSourceOptions options{channel, *std::move(camera), input.session.value_or(1)};
-  return std::make_unique<services::LiveSourceService>(context, std::move(options));
+  std::unique_ptr<services::CameraDevice> device;
+  if (!live.openni.empty()) {
+    auto opened = services::open_openni_camera(live.openni, *camera);
+    if (!opened) return tl::make_unexpected(opened.error());
+    device = *std::move(opened);
+    spdlog::info("{}", device->description());
+  }
+  services::LiveSourceOptions options{device ? "camera" : live.channel, *std::move(camera), input.session.value_or(1)};
+  return std::make_unique<services::LiveSourceService>(context, std::move(options), std::move(device));
 }
 
 base::Result<std::unique_ptr<service::Service>> make(service::ServiceContext& context,
@@ -74,11 +98,12 @@ int main(int argc, char** argv) {
   service::ServiceProgram program;
   program.name = "frame_source";
   program.description = "Publishes the frames of a recording or of a synthetic scene";
-  std::string live;
+  LiveOptions live;
   program.add_options = [&](CLI::App& app) { add_options(app, options, live); };
   program.configure = [&options](io::ConfigSchema& section) { configure(section, options); };
   program.make = [&](service::ServiceContext& context) {
-    return live.empty() ? make(context, options) : make_live(context, live, options.input);
+    const bool recorded = live.channel.empty() && live.openni.empty();
+    return recorded ? make(context, options) : make_live(context, live, options.input);
   };
   return service::run_service(program, argc, argv);
 }

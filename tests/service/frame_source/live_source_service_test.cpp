@@ -173,6 +173,17 @@ TEST_F(LiveSource, AFrameFromThePastIsLeftOut) {
   EXPECT_THAT(rejection(), HasSubstr("utime"));
 }
 
+TEST_F(LiveSource, GoesOnBehindWhatTheTrackerHadFromTheSourceBefore) {
+  send(encoded(frame(1'000'000)));
+  camera_.send(channels::kAcknowledge, messages::Acknowledge{kSession, 500, "tracker"});
+  camera_.send(channels::kAcknowledge, messages::Acknowledge{kSession, 20, "mapper"});
+  camera_.send(channels::kAcknowledge, messages::Acknowledge{kSession + 1, 900, "tracker"});
+  deliver();
+  send(encoded(frame(1'033'000)));
+  ASSERT_EQ(frames_->size(), 2U);
+  EXPECT_EQ(frames_->back().header.sequence, 501);
+}
+
 TEST_F(LiveSource, SendsAFrameAgainToWhoAsks) {
   send(encoded(frame(1'000'000)));
   camera_.send(channels::kResend, messages::ResendRequest{kSession, channels::kRgbd, {0, 5}});
