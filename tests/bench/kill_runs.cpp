@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "common/base/random.hpp"
-#include "tests/support/program.hpp"
+#include "tests/bench/run_results.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {
@@ -21,7 +21,6 @@ using namespace eg;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::array kServices = {"frame_source", "feature_extractor", "egraph_server", "tracker", "mapper"};
-constexpr std::array kResults = {"trajectory.txt", "states.csv", "keyframes.txt", "egraph.json", "map.ply", "mesh.ply"};
 constexpr std::chrono::seconds kLongestRun{3600};
 constexpr double kShortestPause = 0.2;  // seconds between two kills
 constexpr double kLongestPause = 3.0;
@@ -57,16 +56,6 @@ int count(const std::map<std::string, int>& killed) {
   return sum;
 }
 
-bool same_results(const std::filesystem::path& a, const std::filesystem::path& b) {
-  bool same = true;
-  for (const char* name : kResults) {
-    if (!test::file_bytes(a / name).empty() && test::file_bytes(a / name) == test::file_bytes(b / name)) continue;
-    spdlog::error("{} is not that of the undisturbed run", name);
-    same = false;
-  }
-  return same;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -96,7 +85,7 @@ int main(int argc, char** argv) {
     test::Program run("egraph-run", arguments(input, out));
     disturb(run, out / "log.txt", kills - before, random, killed);
     const bool complete = run.wait(kLongestRun) == 0;
-    const bool same = complete && same_results(undisturbed, out);
+    const bool same = complete && bench::same_results(undisturbed, out);
     spdlog::info("run {}: {} kills, {:.1f} s, {}, {}", runs, count(killed) - before, seconds_since(start),
                  complete ? "complete" : "NOT complete", same ? "the same bytes" : "OTHER bytes");
     if (!complete) spdlog::error("{}", run.output());
