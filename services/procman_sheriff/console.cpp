@@ -25,6 +25,11 @@ std::string printable(std::string text) {
   return text;
 }
 
+std::string with_name(const std::string& name, const std::string& line) {
+  const std::string prefix = "[" + name + "] ";
+  return line.starts_with(prefix) ? line : prefix + line;
+}
+
 Console::Console() : terminal_(isatty(STDERR_FILENO) == 1) {}
 
 void Console::print(const std::string& line) {

@@ -9,6 +9,9 @@ namespace eg::procman_sheriff {
 /// The text with control characters replaced: what comes over the network must not command the terminal.
 std::string printable(std::string text);
 
+/// "[name] line": who says it. Our own programs begin their lines so already, and are not named twice.
+std::string with_name(const std::string& name, const std::string& line);
+
 /// Lines on stderr, and below them, if that is a terminal, a table that is redrawn in its place.
 class Console {
  public:

@@ -9,6 +9,7 @@
 #include "common/procman/line_splitter.hpp"
 #include "common/procman/script_runner.hpp"
 #include "common/procman/supervisor.hpp"
+#include "services/procman_sheriff/console.hpp"
 
 namespace eg::procman_sheriff {
 namespace {
@@ -20,11 +21,8 @@ using procman::Configuration;
 
 constexpr std::chrono::milliseconds kTick{20};
 
-/// Prints "[name] line", unless the command already begins its lines so.
 void print_output(const Command& command, const std::string& line) {
-  const std::string prefix = "[" + command.name + "] ";
-  const bool has_prefix = line.starts_with(prefix);
-  std::fprintf(stderr, "%s%s\n", has_prefix ? "" : prefix.c_str(), line.c_str());
+  std::fprintf(stderr, "%s\n", with_name(command.name, line).c_str());
 }
 
 /// Prints what the commands say and what becomes of them.

@@ -130,7 +130,7 @@ void SheriffService::print_output(const procman::Printf& text) {
   if (!known && text.sheriff_id != 0) return;  // of a command of somebody else
   const std::string& name = known ? configuration_.commands[command].name : text.deputy_name;
   output_[text.sheriff_id].add(text.text,
-                               [&](const std::string& line) { console_.print(printable("[" + name + "] " + line)); });
+                               [&](const std::string& line) { console_.print(printable(with_name(name, line))); });
 }
 
 void SheriffService::warn_of_intruder() {
