@@ -57,9 +57,9 @@ Counter counter(const std::string& chain) {
 bool drop(int percent) {
   const std::string rules =
       "nft 'flush ruleset; table ip lossy {"
-      " chain out { type filter hook output priority 0; udp dport 7667 counter; }"
+      " chain out { type filter hook output priority 0; udp dport 7667 counter; };"
       " chain in { type filter hook input priority 0; udp dport 7667 numgen random mod 100 < " +
-      std::to_string(percent) + " counter drop; } }'";
+      std::to_string(percent) + " counter drop; }; }'";
   return std::system(rules.c_str()) == 0;
 }
 
