@@ -152,7 +152,11 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   constexpr double kPart = 0.2;  // of the smallest plane: what may still become one by being joined to others
   BlockClusters clusters = cluster_blocks(grid, flat, kPart * min_support, kMaxRegions);
   merge_continuous(grid, warped, step, clusters);
-  merge_coplanar(grid, coplanar, clusters);
+  constexpr double kWaveBlocks =
+      2.0;  // blocks on a side that are off together: half a wave, sensors' waves being short
+  const auto area = [&](double blocks) { return blocks * blocks * block_size * block_size; };
+  const double warp_area = area(options_.warp_blocks);
+  merge_coplanar(grid, coplanar, {{errors.waviness, area(kWaveBlocks)}, {errors.warp, warp_area}}, clusters);
   grower.grow(grid, clusters, flat, options_.max_growth_error, labels);
 
   collect_patches(grid, labels, patches);
@@ -160,8 +164,6 @@ PlaneExtraction PlaneExtractor::extract(const cv::Mat& depth, const geometry::Ca
   relabel(rank(regions, min_support), patches, labels.labels);
 
   PlaneExtraction result;
-  const double warp_side = options_.warp_blocks * block_size;
-  const double warp_area = warp_side * warp_side;
   const std::vector<PlaneScatter> scatters = scatter_of_regions(patches, regions, grid.columns);
   for (std::size_t i = 0; i < regions.size(); ++i) {
     result.planes.push_back(make_feature(regions[i], scatters[i], errors.warp, warp_area, options_));

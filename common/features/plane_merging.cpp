@@ -1,57 +1,19 @@
 #include "common/features/plane_merging.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <utility>
 
+#include "common/features/plane_contacts.hpp"
+
 namespace eg::features {
 namespace {
 
 /// Fewer contacts say nothing about how two regions meet.
 constexpr int kFewestContacts = 2;
-
-/// Two neighbouring blocks of different regions.
-struct Contact {
-  int region_a = 0;
-  int region_b = 0;
-  double step = 0;  ///< from a to b halfway between the blocks, by the blocks' own planes; in limits
-};
-
-Eigen::Vector3d mean_ray(const PlaneMoments& m) { return Eigen::Vector3d(m.a, m.b, m.weight) / m.weight; }
-
-double step_between(const BlockGrid& grid, std::size_t a, std::size_t b, const PlaneTolerance& tolerance) {
-  const Eigen::Vector3d ray = 0.5 * (mean_ray(grid.moments[a]) + mean_ray(grid.moments[b]));
-  const double w = 0.5 * (grid.moments[a].w / grid.moments[a].weight + grid.moments[b].w / grid.moments[b].weight);
-  const InverseDepthPlane& plane_a = grid.fits[a].plane;
-  const InverseDepthPlane& plane_b = grid.fits[b].plane;
-  return (plane_b - plane_a).dot(ray) / std::sqrt(tolerance.squared_limit(w, 0.5 * (plane_a + plane_b)));
-}
-
-/// Contacts across at most one unusable block: those on a crease are mixed and often rejected.
-std::vector<Contact> find_contacts(const BlockGrid& grid, const std::vector<int>& region_of_block,
-                                   const PlaneTolerance& step_tolerance) {
-  std::vector<Contact> contacts;
-  const auto region_of = [&](int block) { return region_of_block[static_cast<std::size_t>(block)]; };
-  const auto look = [&](int block, int stride, int room) {
-    int other = block + stride;
-    if (room > 1 && region_of(other) < 0) other += stride;
-    if (region_of(other) < 0 || region_of(other) == region_of(block)) return;
-    contacts.push_back(
-        {region_of(block), region_of(other),
-         step_between(grid, static_cast<std::size_t>(block), static_cast<std::size_t>(other), step_tolerance)});
-  };
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const int block = row * grid.columns + column;
-      if (region_of(block) < 0) continue;
-      if (column + 1 < grid.columns) look(block, 1, grid.columns - 1 - column);
-      if (row + 1 < grid.rows) look(block, grid.columns, grid.rows - 1 - row);
-    }
-  }
-  return contacts;
-}
 
 /// Whether the mean of `count` steps is within the limit, by the steps' sum. The fewer they are, the more of it is
 /// noise: that of a block's plane halfway to its neighbour is three times that of its mean.
@@ -111,14 +73,40 @@ class TouchTable {
   std::vector<int> contacts_;
 };
 
+/// Covariance of a region's plane by errors that go together over areas of the image.
+Eigen::Matrix3d covariance_of(const PlaneRegion& region, const SharedErrors& errors) {
+  double variance = 0;  // of one pixel, sigma², times the pixels that share it
+  for (const auto& [sigma, pixels] : errors) variance += sigma * sigma * std::min(pixels, region.moments.pixels);
+  return variance * region.moments.normal_matrix().inverse();
+}
+
+/// How far a region is from the plane of another one, metres, rms.
+double distance_between(const PlaneRegion& region, const PlaneRegion& other) {
+  const PlaneMoments& m = region.moments;
+  const double inverse_depth = m.w / m.weight;
+  const double squared = std::max(0.0, m.mean_squared_error(other.plane) - region.mean_squared_error);
+  return std::sqrt(squared * m.pixels / m.weight) / (inverse_depth * inverse_depth);
+}
+
+/// Whether two planes are as near to each other as paint and plaster are thick, or errors explain their difference.
+bool may_be_one(const PlaneRegion& left, const PlaneRegion& right, const SharedErrors& errors) {
+  constexpr double kPaint = 0.0003;     // metres
+  constexpr double kMaxSquared = 16.3;  // chi squared of 3 degrees of freedom: one of 1000 is above
+  const bool left_is_smaller = left.support < right.support;
+  if (distance_between(left_is_smaller ? left : right, left_is_smaller ? right : left) < kPaint) return true;
+  const Eigen::Vector3d difference = left.plane - right.plane;
+  const Eigen::Matrix3d covariance = covariance_of(left, errors) + covariance_of(right, errors);
+  return difference.dot(covariance.inverse() * difference) <= kMaxSquared;
+}
+
 /// The best partner for `region` among those before it in `regions`; -1: none.
 int coplanar_partner(const std::vector<PlaneRegion>& regions, std::size_t region, const std::vector<int>& new_index,
-                     const TouchTable& table, const PlaneTolerance& tolerance) {
+                     const TouchTable& table, const PlaneTolerance& tolerance, const SharedErrors& errors) {
   int best = -1;
   double best_error = 0;
   for (std::size_t i = 0; i < region; ++i) {
     const bool merged_away = new_index[i] != static_cast<int>(i);
-    if (merged_away || table.touch(i, region)) continue;
+    if (merged_away || table.touch(i, region) || !may_be_one(regions[i], regions[region], errors)) continue;
     const auto fit = fit_union(regions[i], regions[region], tolerance);
     if (fit && (best < 0 || fit->mean_squared_error < best_error)) {
       best = static_cast<int>(i);
@@ -133,7 +121,7 @@ int coplanar_partner(const std::vector<PlaneRegion>& regions, std::size_t region
 void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, const PlaneTolerance& step_tolerance,
                       BlockClusters& clusters) {
   std::vector<PlaneRegion>& regions = clusters.regions;
-  std::vector<Contact> contacts = find_contacts(grid, clusters.region_of_block, step_tolerance);
+  std::vector<Contact> contacts = find_contacts(grid, clusters, step_tolerance);
   for (;;) {
     const auto [kept, removed] = best_pair(contacts, regions, tolerance);
     if (kept < 0) return;
@@ -152,13 +140,14 @@ void merge_continuous(const BlockGrid& grid, const PlaneTolerance& tolerance, co
   }
 }
 
-void merge_coplanar(const BlockGrid& grid, const PlaneTolerance& tolerance, BlockClusters& clusters) {
+void merge_coplanar(const BlockGrid& grid, const PlaneTolerance& tolerance, const SharedErrors& errors,
+                    BlockClusters& clusters) {
   std::vector<PlaneRegion>& regions = clusters.regions;
-  TouchTable table(find_contacts(grid, clusters.region_of_block, tolerance), regions.size());
+  TouchTable table(find_contacts(grid, clusters, tolerance), regions.size());
   std::vector<int> new_index(regions.size());
   for (std::size_t region = 0; region < regions.size(); ++region) {
     new_index[region] = static_cast<int>(region);
-    const int partner = coplanar_partner(regions, region, new_index, table, tolerance);
+    const int partner = coplanar_partner(regions, region, new_index, table, tolerance, errors);
     if (partner < 0) continue;
     new_index[region] = partner;
     regions[static_cast<std::size_t>(partner)].join(regions[region]);

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 namespace eg::features {
@@ -102,23 +103,51 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-/// Takes the patches out of the fit whose squared error is far above the median of their region.
-void trim(const std::vector<PlaneRegion>& regions, std::vector<RegionPatch>& patches) {
+/// Size of the mean error of a patch's readings under a plane, in standard deviations of one reading.
+double mean_error(const RegionPatch& patch, const InverseDepthPlane& plane) {
+  const PlaneMoments& m = patch.moments;
+  return std::abs(m.score(plane).z()) / std::sqrt(m.weight * m.pixels);
+}
+
+/// How far a patch that belongs to the region may be off.
+struct TrimLimits {
+  double squared_error = 0;
+  double mean_error = 0;
+};
+
+/// Many times the medians over the region's patches. Noise, the sensor's ripples and whole steps of disparity are in
+/// the medians, so what is far above them is another surface: a door behind its wall in whole patches, a frame or a
+/// joint in the mean of those it runs through.
+TrimLimits trim_limits(const PlaneRegion& region, const std::vector<const RegionPatch*>& patches) {
   constexpr double kManyTimesTheMedian = 6.0;
   constexpr double kAlwaysGood = 0.01;  // sigma²
-  std::vector<std::vector<double>> errors(regions.size());
-  const auto error_of = [&](const RegionPatch& patch) {
-    return patch.moments.mean_squared_error(regions[static_cast<std::size_t>(patch.region)].plane);
-  };
+  constexpr double kSigmas = 3.0;
+  constexpr double kSigmaOfMedian = 1.4826;  // of the absolute values of a normal distribution
+  if (patches.empty()) return {};
+  std::vector<double> squared, means;
+  squared.reserve(patches.size());
+  means.reserve(patches.size());
+  for (const RegionPatch* patch : patches) {
+    squared.push_back(patch->moments.mean_squared_error(region.plane));
+    means.push_back(mean_error(*patch, region.plane));
+  }
+  return {std::max(kAlwaysGood, kManyTimesTheMedian * median(squared)),
+          std::max(std::sqrt(kAlwaysGood), kSigmas * kSigmaOfMedian * median(means))};
+}
+
+/// Takes the patches out of the fit that are much farther off than their region's others.
+void trim(const std::vector<PlaneRegion>& regions, std::vector<RegionPatch>& patches) {
+  std::vector<std::vector<const RegionPatch*>> fitted(regions.size());
   for (const RegionPatch& patch : patches) {
-    if (patch.fitted) errors[static_cast<std::size_t>(patch.region)].push_back(error_of(patch));
+    if (patch.fitted) fitted[static_cast<std::size_t>(patch.region)].push_back(&patch);
   }
-  std::vector<double> limits;
-  for (std::vector<double>& of_region : errors) {
-    limits.push_back(of_region.empty() ? 0.0 : std::max(kAlwaysGood, kManyTimesTheMedian * median(of_region)));
-  }
+  std::vector<TrimLimits> limits;
+  for (std::size_t i = 0; i < regions.size(); ++i) limits.push_back(trim_limits(regions[i], fitted[i]));
   for (RegionPatch& patch : patches) {
-    patch.fitted = patch.fitted && error_of(patch) <= limits[static_cast<std::size_t>(patch.region)];
+    const auto region = static_cast<std::size_t>(patch.region);
+    const InverseDepthPlane& plane = regions[region].plane;
+    patch.fitted = patch.fitted && patch.moments.mean_squared_error(plane) <= limits[region].squared_error &&
+                   mean_error(patch, plane) <= limits[region].mean_error;
   }
 }
 
