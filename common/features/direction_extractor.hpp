@@ -17,7 +17,7 @@ struct DirectionExtractorOptions {
   DirectionGroupOptions group;
   double same_direction = 0.12;  ///< radians: what is nearer to a better supported direction is no direction of its own
   double max_false_alarms = 0.1;  ///< groups per frame that are parallel by chance (log_false_alarms)
-  double sigma_floor = 0.0015;    ///< radians per axis, added to every direction: what no model of noise knows
+  double sigma_floor = 0.0007;    ///< radians per axis, added to every direction: what no model of noise knows
   double warp_sigma = 0.02;  ///< radians per axis, added times the depth's warp: what lenses, shutters and blur bend
   double max_potential_sigma = 0.02;  ///< radians: single lines known less well are no potential directions
   int max_potential = 20;             ///< potential directions per frame, the longest lines

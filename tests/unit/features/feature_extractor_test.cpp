@@ -7,6 +7,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
 #include "common/base/random.hpp"
 #include "common/geometry/so3.hpp"
@@ -128,31 +129,66 @@ TEST(FeatureExtractor, TheResultDoesNotDependOnThreadsOrOnEarlierFrames) {
   }
 }
 
+cv::Mat random_colour(const cv::Size& size, base::Random& random) {
+  cv::Mat colour(size, CV_8UC3);
+  for (int i = 0; i < size.area(); ++i) {
+    colour.at<cv::Vec3b>(i / size.width, i % size.width) = cv::Vec3b::all(static_cast<std::uint8_t>(random.index(256)));
+  }
+  return colour;
+}
+
+cv::Mat checkerboard(const cv::Size& size) {
+  cv::Mat colour(size, CV_8UC3);
+  for (int i = 0; i < size.area(); ++i) {
+    const bool white = (i / size.width / 8 + i % size.width / 8) % 2 == 0;
+    colour.at<cv::Vec3b>(i / size.width, i % size.width) = cv::Vec3b::all(white ? 255 : 0);
+  }
+  return colour;
+}
+
+/// Depth anywhere between half a metre and five.
+cv::Mat random_depth(const cv::Size& size, base::Random& random) {
+  cv::Mat depth(size, CV_32FC1);
+  for (int i = 0; i < size.area(); ++i) {
+    depth.at<float>(i / size.width, i % size.width) = static_cast<float>(random.uniform(0.5, 5.0));
+  }
+  return depth;
+}
+
 TEST(FeatureExtractor, SurvivesFramesThatShowNothing) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   base::Random random(1);
   FeatureExtractor extractor;
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(20, 3), cv::Size(320, 240)}) {
-    cv::Mat noise(size, CV_8UC3);
-    for (int i = 0; i < size.area(); ++i) {
-      noise.at<cv::Vec3b>(i / size.width, i % size.width) =
-          cv::Vec3b::all(static_cast<std::uint8_t>(random.index(256)));
-    }
-    cv::Mat checkerboard(size, CV_8UC3);
-    for (int i = 0; i < size.area(); ++i) {
-      const bool white = (i / size.width / 8 + i % size.width / 8) % 2 == 0;
-      checkerboard.at<cv::Vec3b>(i / size.width, i % size.width) = cv::Vec3b::all(white ? 255 : 0);
-    }
-    for (const cv::Mat& colour : {cv::Mat(size, CV_8UC3, cv::Scalar::all(0)), noise, checkerboard}) {
-      for (const float z : {0.0F, kNan, -1.0F, 2.0F}) {
-        const cv::Mat depth(size, CV_32FC1, cv::Scalar(z));
+    const cv::Mat wall(size, CV_32FC1, cv::Scalar(2.0));
+    const std::vector<cv::Mat> depths = {cv::Mat(size, CV_32FC1, cv::Scalar(0.0)),
+                                         cv::Mat(size, CV_32FC1, cv::Scalar(kNan)),
+                                         cv::Mat(size, CV_32FC1, cv::Scalar(-1.0)), random_depth(size, random), wall};
+    for (const cv::Mat& colour :
+         {cv::Mat(size, CV_8UC3, cv::Scalar::all(0)), random_colour(size, random), checkerboard(size)}) {
+      for (const cv::Mat& depth : depths) {
         const auto features = extractor.extract({{}, camera(size.width, size.height), colour, depth});
         for (const DirectionFeature& direction : features.directions) EXPECT_TRUE(direction.covariance.allFinite());
-        EXPECT_TRUE(z == 2.0F || features.planes.empty());
+        EXPECT_TRUE(depth.data == wall.data || features.planes.empty());
       }
     }
   }
   EXPECT_TRUE(extractor.extract({{}, camera(1, 1), {}, {}}).points.empty());
+}
+
+TEST(FeatureExtractor, SurvivesLargeFramesThatShowNothing) {
+  base::Random random(2);
+  const cv::Size size(4000, 3000);
+  FeatureExtractor extractor;
+  const auto noise =
+      extractor.extract({{}, camera(size.width, size.height), random_colour(size, random), random_depth(size, random)});
+  EXPECT_TRUE(noise.planes.empty());
+  const auto nothing =
+      extractor.extract({{},
+                         camera(size.width, size.height),
+                         cv::Mat(size, CV_8UC3, cv::Scalar::all(0)),
+                         cv::Mat(size, CV_32FC1, cv::Scalar(std::numeric_limits<float>::quiet_NaN()))});
+  EXPECT_TRUE(nothing.points.empty() && nothing.lines.empty() && nothing.planes.empty() && nothing.directions.empty());
 }
 
 TEST(FeatureExtractor, TakesLargeFrames) {
