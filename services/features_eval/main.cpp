@@ -51,6 +51,8 @@ int main(int argc, char** argv) {
   sequence_command->add_option("--camera", sequence.camera, "name of a camera model, or a YAML file")->required();
   sequence_command->add_option("--frames", sequence.max_frames, "only that many; 0: all")
       ->check(CLI::NonNegativeNumber);
+  sequence_command->add_option("--threads", sequence.threads,
+                               "for one frame's features; 0: as many as there are cores");
   CLI11_PARSE(app, argc, argv);
 
   synthetic.extractor.lines.detector.kind = detector;

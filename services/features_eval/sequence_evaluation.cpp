@@ -1,6 +1,7 @@
 #include "services/features_eval/sequence_evaluation.hpp"
 
 #include <fmt/core.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -138,9 +139,16 @@ struct Timing {
 void print_timing(const Timing& timing, std::ostream& out) {
   const eval::ErrorStatistics wall = eval::statistics_of(timing.wall_ms);
   const eval::ErrorStatistics cpu = eval::statistics_of(timing.cpu_ms);
-  out << fmt::format(
-      "  time per frame: CPU mean {:.1f} ms, p95 {:.1f}, max {:.1f}; wall mean {:.1f} ms, p95 {:.1f}, max {:.1f}\n",
-      cpu.mean, cpu.p95, cpu.max, wall.mean, wall.p95, wall.max);
+  const auto slowest = std::max_element(timing.wall_ms.begin(), timing.wall_ms.end()) - timing.wall_ms.begin();
+  const auto over_twice = std::count_if(timing.wall_ms.begin(), timing.wall_ms.end(),
+                                        [&](double milliseconds) { return milliseconds > 2.0 * wall.mean; });
+  out << fmt::format("  CPU per frame:  median {:.1f} ms, mean {:.1f}, p95 {:.1f}, max {:.1f}\n", cpu.median, cpu.mean,
+                     cpu.p95, cpu.max)
+      << fmt::format(
+             "  wall per frame: median {:.1f} ms, mean {:.1f}, p95 {:.1f}, max {:.1f} (frame {}); {} of {} above twice "
+             "the "
+             "mean\n",
+             wall.median, wall.mean, wall.p95, wall.max, slowest, over_twice, wall.count);
 }
 
 /// Runs the extractor and clocks it.
@@ -164,6 +172,8 @@ base::Status evaluate_sequence(const SequenceEvaluationOptions& options, std::os
   const auto truth = io::read_trajectory(dataset->ground_truth);
   if (!truth) return base::fail(truth.error().message);
 
+  std::optional<tbb::global_control> limit;
+  if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
   features::FeatureExtractor extractor(options.extractor);
   image::Rectifier rectifier;
   Timing timing;

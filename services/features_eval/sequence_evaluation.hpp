@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <iosfwd>
 #include <string>
@@ -13,6 +14,7 @@ struct SequenceEvaluationOptions {
   std::filesystem::path folder;  ///< a recording with ground truth
   std::string camera;            ///< name or YAML file
   int max_frames = 0;            ///< 0: all
+  std::size_t threads = 0;       ///< that one frame's features may take; 0: as many as there are cores
   features::FeatureExtractorOptions extractor;
 };
 
