@@ -36,6 +36,7 @@ int run_group(ServiceGroup& group) {
     exit_code = report(exception.what());
   }
   const base::Status saved = group.save();
+  group.say_goodbye();
   return saved ? exit_code : report(saved.error().message);
 }
 

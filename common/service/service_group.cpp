@@ -76,4 +76,8 @@ base::Status ServiceGroup::save() {
   return all;
 }
 
+void ServiceGroup::say_goodbye() {
+  for (const auto& member : members_) member->loop->say_goodbye();
+}
+
 }  // namespace eg::service

@@ -30,6 +30,9 @@ class ServiceGroup {
   /// Saves the results of all; the first error if there are any.
   base::Status save();
 
+  /// Of every service, the last status.
+  void say_goodbye();
+
  private:
   struct Member {
     Member(transport::Bus& shared, const ServiceOptions& options) : bus(shared, options.robot), context(bus, options) {}

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/service_state.hpp"
 
 namespace eg::service {
 namespace {
@@ -46,6 +47,11 @@ base::Status ServiceLoop::save() {
   const base::Status status = service_.save();
   saved_ = status.has_value();
   return status;
+}
+
+void ServiceLoop::say_goodbye() {
+  context_.status().set_state(messages::kEndedState);
+  publish_status();
 }
 
 void ServiceLoop::handle_control(const messages::Control& control) {

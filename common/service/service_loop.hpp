@@ -25,6 +25,9 @@ class ServiceLoop {
   /// Saves unless nothing has come in since the last successful save.
   base::Status save();
 
+  /// Sends a last status that says so, for those who would otherwise wonder about the silence.
+  void say_goodbye();
+
  private:
   void handle_control(const messages::Control& control);
   void carry_out_requests();

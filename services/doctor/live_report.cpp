@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "common/messages/service_state.hpp"
 #include "services/doctor/live_view.hpp"
 
 namespace eg::doctor {
@@ -41,7 +42,7 @@ void judge_service(const std::string& name, const ServiceView& view, std::int64_
                         "timedatectl set-ntp true (on both machines)"});
   }
   const double silent_s = 1e-6 * static_cast<double>(now_utime - view.last_receive_utime);
-  if (silent_s > kSilentAfterS) {
+  if (silent_s > kSilentAfterS && view.latest.state != messages::kEndedState) {
     findings.push_back(
         {Severity::error, fmt::format("{} has been silent for {:.0f} s", name, silent_s),
          fmt::format("look at its output and start it again; on {}: kill -9 {}", view.latest.host, view.latest.pid)});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/messages/service_state.hpp"
 #include "services/viewer/packet.hpp"
 
 namespace eg::services {
@@ -23,7 +24,8 @@ double rate(double earlier, double later, std::int64_t earlier_utime, std::int64
 std::string to_json(const std::deque<messages::ServiceStatus>& recent, std::int64_t silent_for) {
   const messages::ServiceStatus& then = recent.front();
   const messages::ServiceStatus& now = recent.back();
-  const bool silent = silent_for > kSilentAfter;
+  const bool silent = silent_for > kSilentAfter && now.state != messages::kEndedState;
+  const bool quiet = silent || now.state == messages::kEndedState;
   const double frames = rate(static_cast<double>(then.frames), static_cast<double>(now.frames), then.utime, now.utime);
   const double cpu = rate(then.cpu_seconds, now.cpu_seconds, then.utime, now.utime);
   return fmt::format(
@@ -31,9 +33,9 @@ std::string to_json(const std::deque<messages::ServiceStatus>& recent, std::int6
       R"("dropped":{},"rejected":{},"last_rejection":{},"p50":{:.3f},"p90":{:.3f},"p99":{:.3f},"max":{:.3f},)"
       R"("cpu":{:.4f},"memory":{}}})",
       json_string(now.service), json_string(now.host), now.pid, json_string(now.state), silent,
-      1e-6 * static_cast<double>(silent_for), now.frames, silent ? 0.0 : frames, now.dropped, now.rejected,
+      1e-6 * static_cast<double>(silent_for), now.frames, quiet ? 0.0 : frames, now.dropped, now.rejected,
       json_string(now.last_rejection), now.latency_p50_ms, now.latency_p90_ms, now.latency_p99_ms, now.latency_max_ms,
-      silent ? 0.0 : cpu, now.peak_memory_bytes);
+      quiet ? 0.0 : cpu, now.peak_memory_bytes);
 }
 
 }  // namespace

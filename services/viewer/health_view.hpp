@@ -18,7 +18,7 @@ class HealthView {
   void clear() { services_.clear(); }
 
   /// The packet "health": one row per service, rates and CPU over the last seconds. A service that has said nothing for
-  /// three seconds is silent.
+  /// three seconds, and not that it ends, is silent.
   [[nodiscard]] std::vector<std::uint8_t> packet(std::int64_t now_utime) const;
 
  private:

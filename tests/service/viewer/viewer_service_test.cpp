@@ -8,6 +8,7 @@
 
 #include "common/egraph/graph_builder.hpp"
 #include "common/messages/channels.hpp"
+#include "common/messages/service_state.hpp"
 #include "tests/service/viewer/read_packet.hpp"
 #include "tests/support/bus_peer.hpp"
 #include "tests/support/web_client.hpp"
@@ -334,6 +335,17 @@ TEST_F(ViewerServiceTest, SaysWhichServiceIsSilent) {
   EXPECT_FALSE(rows[1]["silent"]);
   EXPECT_DOUBLE_EQ(rows[1]["rate"], 30.0);
   EXPECT_DOUBLE_EQ(rows[1]["cpu"], 0.5);
+
+  // One that has said goodbye is not missed.
+  status.service = "mapper";
+  status.state = messages::kEndedState;
+  rest_.send(channels::kStatus, status);
+  pass(10 * kSecond);
+  const auto later = nlohmann::json::parse(look().at("health").arrays.at("json"));
+  EXPECT_EQ(later[0]["state"], "ended");
+  EXPECT_FALSE(later[0]["silent"]);
+  EXPECT_DOUBLE_EQ(later[0]["rate"], 0.0);
+  EXPECT_TRUE(later[1]["silent"]);
 }
 
 TEST_F(ViewerServiceTest, CountsWhatIsNoMessageAndGoesOn) {

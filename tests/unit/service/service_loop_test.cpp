@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/service_state.hpp"
 #include "common/transport/memory_bus.hpp"
 
 namespace eg::service {
@@ -98,6 +99,15 @@ TEST_F(ServiceLoopTest, ReportsItsStatusAtOnceAndThenOnceASecond) {
   step(50);
   ASSERT_EQ(statuses_.size(), 1u);
   EXPECT_EQ(statuses_[0].service, "counter");
+}
+
+TEST_F(ServiceLoopTest, SaysThatItHasEnded) {
+  step();
+  loop_.say_goodbye();
+  ASSERT_TRUE(peer_bus_.handle(0ms));
+  ASSERT_EQ(statuses_.size(), 2u);
+  EXPECT_EQ(statuses_[0].state, "running");
+  EXPECT_EQ(statuses_[1].state, messages::kEndedState);
 }
 
 TEST_F(ServiceLoopTest, SavesOnRequestAndReplies) {
