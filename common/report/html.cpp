@@ -22,6 +22,7 @@ h1 { font-size: 22px; margin: 8px 0; } h2 { font-size: 17px; margin: 28px 0 8px;
 figure { margin: 0; background: var(--card); border-radius: 8px; padding: 8px; min-width: 0; }
 svg, img { display: block; width: 100%; height: auto; border-radius: 4px; }
 svg text { font: 12px system-ui, sans-serif; fill: var(--soft); }
+@media (max-width: 600px) { .plot text { font-size: 20px; } }
 .scroll { overflow-x: auto; } table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: right; padding: 4px 8px; border-bottom: 1px solid var(--line); white-space: nowrap; }
 th { color: var(--soft); font-weight: 400; } th:first-child, td:first-child { text-align: left; }

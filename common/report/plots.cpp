@@ -54,7 +54,7 @@ const char* colour_of(const std::string& state) {
 }
 
 std::string open_svg(double height) {
-  return fmt::format(R"(<svg viewBox="0 0 {:.0f} {:.0f}" role="img">)", kWidth, height);
+  return fmt::format(R"(<svg class="plot" viewBox="0 0 {:.0f} {:.0f}" role="img">)", kWidth, height);
 }
 
 std::string legend(const std::vector<StateSample>& states) {

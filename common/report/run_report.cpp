@@ -13,6 +13,8 @@ namespace eg::report {
 namespace {
 
 constexpr double kMegabyte = 1e6;
+/// Fewer shared features are no covisibility edge for systems that work on it.
+constexpr int kMinShared = 15;
 constexpr double kDegrees = 57.29577951308232;
 
 std::string tile(const std::string& value, const std::string& what) {
@@ -32,6 +34,15 @@ std::string tiles(const RunResults& run, const std::optional<eval::TrajectoryErr
   return html.append("</div>\n");
 }
 
+/// The part of the truth in the estimate's time: a run may have taken the first frames of a recording only.
+std::vector<geometry::StampedPose> truth_during_run(const RunResults& run) {
+  std::vector<geometry::StampedPose> truth;
+  for (const geometry::StampedPose& pose : run.truth) {
+    if (pose.time_s >= run.estimate.front().time_s && pose.time_s <= run.estimate.back().time_s) truth.push_back(pose);
+  }
+  return truth;
+}
+
 Points positions_of(const std::vector<geometry::StampedPose>& trajectory, const geometry::Pose& motion) {
   Points points;
   for (const auto& [time, pose] : trajectory) points.push_back(motion * pose.translation);
@@ -40,7 +51,7 @@ Points positions_of(const std::vector<geometry::StampedPose>& trajectory, const 
 
 std::string trajectory_section(const RunResults& run, const std::vector<eval::PosePair>& pairs) {
   const geometry::Pose estimate_from_truth = pairs.empty() ? geometry::Pose{} : eval::align_positions(pairs).inverse();
-  const Points truth = pairs.empty() ? Points{} : positions_of(run.truth, estimate_from_truth);
+  const Points truth = pairs.empty() ? Points{} : positions_of(truth_during_run(run), estimate_from_truth);
   std::string html = draw_trajectories(positions_of(run.estimate, {}), truth, run.view);
   if (html.empty()) return {};
   html += R"(<p class="soft"><span class="estimate">■</span> estimate)";
@@ -75,14 +86,17 @@ std::string graph_section(const RunResults& run) {
   if (keyframes.empty()) return {};
   std::vector<std::pair<std::size_t, std::size_t>> edges, covisible;
   for (const egraph::Edge& edge : run.graph.edges) edges.emplace_back(index[edge.first], index[edge.second]);
-  for (const auto& edge : run.graph.covisibility) covisible.emplace_back(index[edge.first], index[edge.second]);
+  for (const auto& edge : run.graph.covisibility) {
+    if (edge.shared_features >= kMinShared) covisible.emplace_back(index[edge.first], index[edge.second]);
+  }
   std::string html = "<div class=\"row\">\n";
   html += draw_graph(keyframes, edges, "var(--good)",
                      fmt::format("E-Graph: {} edges between {} keyframes over {} directions", edges.size(),
                                  keyframes.size(), run.graph.landmarks.size()),
                      run.view);
-  html +=
-      draw_graph(keyframes, covisible, "var(--bad)", fmt::format("covisibility: {} edges", covisible.size()), run.view);
+  html += draw_graph(keyframes, covisible, "var(--bad)",
+                     fmt::format("covisibility: {} edges ({} or more shared features)", covisible.size(), kMinShared),
+                     run.view);
   return section("Graphs", html.append("</div>\n"));
 }
 

@@ -36,7 +36,7 @@ RunResults some_run() {
     run.graph.keyframes.push_back(node);
   }
   run.graph.edges = {{{0}, {1}, {}}, {{0}, {2}, {}}};
-  run.graph.covisibility = {{{0}, {1}, 10}};
+  run.graph.covisibility = {{{0}, {1}, 20}, {{0}, {2}, 10}};
   run.services.push_back({"tracker", 100, 1, 2, 3.0, 4.0, 5.0, 6.0, 1.5, 64'000'000});
   run.settings = "tracker: {}";
   return run;
@@ -48,12 +48,22 @@ TEST(RunReport, SaysWhatTheRunWas) {
   EXPECT_THAT(html, HasSubstr("<b>1.0 mm</b>"));  // 10 mm in one of 100 frames
   EXPECT_THAT(html, HasSubstr("100 of 100"));
   EXPECT_THAT(html, HasSubstr("E-Graph: 2 edges between 3 keyframes"));
-  EXPECT_THAT(html, HasSubstr("covisibility: 1 edges"));
+  EXPECT_THAT(html, HasSubstr("covisibility: 1 edges (15 or more shared features)"));
   EXPECT_THAT(html, HasSubstr("tracking 90"));
   EXPECT_THAT(html, HasSubstr("lost 10"));
   EXPECT_THAT(html, HasSubstr("<td>15.0</td><td>64</td>"));  // 1.5 s over 100 messages, 64 MB
   EXPECT_THAT(html, HasSubstr("from the side"));
   EXPECT_THAT(html, HasSubstr("name=\"viewport\""));
+}
+
+TEST(RunReport, ShowsNoTruthOfBeforeOrAfterTheRun) {
+  RunResults run = some_run();
+  const std::string html = write_report(run);
+  geometry::StampedPose far = run.truth.back();
+  far.time_s += 10.0;
+  far.world_from_camera.translation.x() += 100.0;
+  run.truth.push_back(far);
+  EXPECT_EQ(write_report(run), html);
 }
 
 TEST(RunReport, LoadsNothing) {
