@@ -3,6 +3,7 @@
 #
 #   ./demo.sh
 #   ./demo.sh --dataset DIR [--camera NAME|FILE.yaml]
+#   ./demo.sh --view                    # to be watched in a browser, until Ctrl-C
 #
 # Results are in out/. Other options go to egraph-run (build/bin/egraph-run --help).
 set -euo pipefail
@@ -29,4 +30,6 @@ given --out "$@" || defaults+=(--out "$project/out")
 given --dataset "$@" || defaults+=(--dataset synthetic:room)
 given --dataset "$@" || given --frames "$@" || defaults+=(--frames 300)
 say "Running"
-with_multicast "$project/build/bin/egraph-run" ${defaults[@]+"${defaults[@]}"} "$@"
+here=()
+if given --view "$@"; then here=(--here); else echo 'With --view you can watch it in a browser.'; fi
+with_multicast ${here[@]+"${here[@]}"} "$project/build/bin/egraph-run" ${defaults[@]+"${defaults[@]}"} "$@"

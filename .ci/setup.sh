@@ -45,11 +45,14 @@ build() {
   cmake --build build --parallel "$(build_jobs)" --target "$@"
 }
 
-# Runs a command where LCM can send: here, or, if this machine has no route for multicast, in a network of its own.
+# Runs a command where LCM can send: here, or, if this machine has no route for multicast, in a network of its own, which
+# nobody can reach from outside (--here: not that, then).
 with_multicast() {
+  local here=''
+  [ "$1" != --here ] || { here=$1; shift; }
   if ip route get 239.255.76.67 > /dev/null 2>&1; then
     "$@"
-  elif [ "$(id -u)" = 0 ] && unshare -n true 2> /dev/null; then
+  elif [ ! "$here" ] && [ "$(id -u)" = 0 ] && unshare -n true 2> /dev/null; then
     unshare -n sh -c 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' sh "$@"
   else
     echo 'LCM needs a route for multicast. On one machine alone, this makes one:' >&2

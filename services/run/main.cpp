@@ -1,4 +1,5 @@
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
@@ -51,10 +52,16 @@ int main(int argc, char** argv) {
                  "Add the noise of a structured-light camera to the data set's depth, with this seed; 0: none")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--report", options.report, "Describe the run in one report.html, with pictures and plots");
+  app.add_flag("--view", options.view,
+               "Show the run in web browsers; on a terminal until Ctrl-C, also when it is over");
+  app.add_option("--http", options.http,
+                 "Address and port that --view serves browsers at; without it 127.0.0.1:8080, or a free port after it")
+      ->envname("EGRAPH_HTTP");
   app.add_flag("--log", options.log, "Record all messages into run.lcm with lcm-logger");
   app.add_option("--procman", options.procman, "procman configuration to start the services from");
   app.add_option("--lcm-url", options.lcm_url, "LCM provider to run on; without it a port of this run's own");
   CLI11_PARSE(app, argc, argv);
+  options.keep_view = options.view && isatty(STDIN_FILENO) == 1;
   options.mapper = !no_mapper && options.observations.empty();
 
   catch_signals();

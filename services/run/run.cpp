@@ -12,6 +12,7 @@
 #include "common/procman/process_tree.hpp"
 #include "common/service/map_archive.hpp"
 #include "common/transport/lcm_bus.hpp"
+#include "common/transport/web_address.hpp"
 #include "services/run/out_folder.hpp"
 #include "services/run/own_port.hpp"
 #include "services/run/picture.hpp"
@@ -25,9 +26,9 @@ constexpr int kInterruptedExitCode = 130;  ///< what a shell reports for SIGINT
 std::filesystem::path own_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
 
 std::string script_name(const RunOptions& options) {
-  const std::string what = options.log ? "log-and-run" : "run";
-  if (!options.observations.empty()) return what + "-observations";
-  return what + (options.mapper ? "" : "-without-mapper");
+  std::string name = options.log ? "log-and-run" : "run";
+  name += !options.observations.empty() ? "-observations" : options.mapper ? "" : "-without-mapper";
+  return name + (options.view ? "-and-view" : "");
 }
 
 /// The procman configuration, found beside the programs' folder unless given, once it is known to be good.
@@ -54,6 +55,16 @@ base::Status check_map_to_load(const RunOptions& options) {
     return base::fail("--load and --out name the same folder: the map would be replaced by what goes on in it");
   }
   return {};
+}
+
+/// Where browsers are served; empty: nowhere.
+base::Result<std::string> find_web_address(const RunOptions& options) {
+  if (!options.view) return std::string();
+  if (options.http.empty()) return transport::find_free_web_address();
+  if (const auto usable = transport::check_web_address(options.http); !usable) {
+    return base::fail("--http: " + usable.error().message);
+  }
+  return options.http;
 }
 
 void set_environment(const char* name, const std::string& value) {
@@ -144,12 +155,15 @@ int run(const RunOptions& options, const StopCount& stops) {
   if (!out) return report_failure(out.error().message);
   const auto port = options.lcm_url.empty() ? OwnPort::find() : OwnPort::take(options.lcm_url);
   if (!port) return report_failure(port.error().message);
+  const auto web = find_web_address(options);
+  if (!web) return report_failure(web.error().message);
   const auto bus = transport::LcmBus::create({port->url(), ""});
   if (!bus) return report_failure(bus.error().message);
 
   std::printf("%s: %lld frames, %s\n", input->description.c_str(), static_cast<long long>(input->frames),
               options.realtime ? "in real time" : "in lockstep");
   set_environment(options, *input, *out, port->url());
+  set_environment("EGRAPH_HTTP", *web);
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   const Clock::time_point start = Clock::now();
   auto sheriff =
@@ -159,7 +173,8 @@ int run(const RunOptions& options, const StopCount& stops) {
   session.run();
   if (const std::size_t count = kill_leftovers(); count > 0)
     spdlog::warn("{} processes were left and were killed", count);
-  return conclude(options, *input, *out, session, std::chrono::duration<double>(Clock::now() - start).count());
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count() - session.viewing_seconds();
+  return conclude(options, *input, *out, session, seconds);
 }
 
 }  // namespace eg::run

@@ -25,6 +25,9 @@ struct RunOptions {
   bool report = false;                  ///< describe the run in report.html
   std::int64_t frames = 0;              ///< at most; 0: all
   std::filesystem::path procman;        ///< empty: the configuration that comes with the programs
+  bool view = false;                    ///< serve the run to browsers
+  bool keep_view = false;               ///< until somebody stops it, also when the run is over
+  std::string http;                     ///< where; empty: port 8080 of this machine only, or a free one after it
   std::string lcm_url;                  ///< empty: a port that no other run uses
 };
 

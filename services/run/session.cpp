@@ -12,6 +12,8 @@ constexpr std::int64_t kSaveRequestId = 1;
 constexpr int kMostLinesShown = 20;  ///< warnings of services; all are in log.txt
 
 constexpr std::string_view kSheriff = "[procman-sheriff] ";
+/// What the viewer says when it is ready: "open URL in a browser".
+constexpr std::string_view kPageIsThere = "[viewer] open http";
 constexpr std::string_view kError = "error: ";
 constexpr std::string_view kWarning = "warning: ";
 /// Services that are killed come back. So many deaths of one without a frame being finished in between are no accident.
@@ -49,7 +51,8 @@ Session::Session(const RunOptions& options, const Input& input, transport::Bus& 
       monitor_(context_, monitor_options(options), Clock::now()),
       save_request_(context_, kSaveRequestId),
       progress_(input.frames, Clock::now()),
-      savers_{"frame_source", "egraph_server", "tracker"} {
+      savers_{"frame_source", "egraph_server", "tracker"},
+      keep_view_(options.keep_view) {
   if (options.mapper) savers_.insert("mapper");
 }
 
@@ -57,6 +60,7 @@ void Session::run() {
   process_frames();
   frames_running_ = false;
   if (!interrupted()) save();
+  if (keep_view_ && !view_url_.empty() && failure_.empty() && !interrupted()) keep_view();
   stop();
 }
 
@@ -93,6 +97,14 @@ void Session::save() {
   for (const auto& [service, why] : save_request_.failures()) fail("service " + service + " could not save: " + why);
 }
 
+void Session::keep_view() {
+  const Clock::time_point begin = Clock::now();
+  progress_.print("The results are saved. The page stays at " + view_url_ + " until Ctrl-C.");
+  while (stops_() == 0 && failure_.empty() && sheriff_.running()) step();
+  expected_stops_ = stops_();
+  viewing_ = Clock::now() - begin;
+}
+
 void Session::stop() {
   const Clock::time_point end = Clock::now() + kStopLimit;
   const int stops_before = stops_();
@@ -125,6 +137,7 @@ void Session::handle_line(const std::string& line) {
   if (calls_for_attention(line) && ++lines_shown_ <= kMostLinesShown) {
     progress_.print(lines_shown_ < kMostLinesShown ? line : "more warnings are in log.txt");
   }
+  if (line.starts_with(kPageIsThere)) show_page_address(line);
   if (!line.starts_with(kSheriff)) return;
   std::string_view text = std::string_view(line).substr(kSheriff.size());
   const bool error = text.starts_with(kError);
@@ -141,6 +154,13 @@ void Session::handle_line(const std::string& line) {
   }
   // While frames are being processed no service may end for good, not even without an error.
   if (error || (frames_running_ && ended)) fail((ended ? "service " : "") + std::string(text));
+}
+
+void Session::show_page_address(std::string_view line) {
+  if (!view_url_.empty()) return;  // it has been killed and is back at the same address
+  const std::string_view url = line.substr(line.find("http"));
+  view_url_ = url.substr(0, url.find(' '));
+  progress_.print("Watch it: open " + view_url_ + " in a browser");
 }
 
 bool Session::has_given_up(const std::string& name, std::string_view how) {

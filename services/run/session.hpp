@@ -33,17 +33,22 @@ class Session {
   [[nodiscard]] const RunMonitor& monitor() const { return monitor_; }
   /// Why the run failed, one sentence; empty: it did not.
   [[nodiscard]] const std::string& failure() const { return failure_; }
-  [[nodiscard]] bool interrupted() const { return stops_() > 0; }
+  [[nodiscard]] bool interrupted() const { return stops_() > expected_stops_; }
   /// From the first to the last frame, seconds.
   [[nodiscard]] double processing_seconds() const;
+  /// For how long only the page was kept, seconds.
+  [[nodiscard]] double viewing_seconds() const { return std::chrono::duration<double>(viewing_).count(); }
 
  private:
   void process_frames();
   void save();
+  /// Until the user has seen enough.
+  void keep_view();
   void stop();
   /// One round of messages and output.
   void step();
   void handle_line(const std::string& line);
+  void show_page_address(std::string_view line);
   /// A service has died; procman would start it again. Whether that is of no use.
   bool has_given_up(const std::string& name, std::string_view how);
   void fail(const std::string& why);
@@ -51,16 +56,20 @@ class Session {
   SheriffProcess& sheriff_;
   transport::Bus& bus_;
   StopCount stops_;
+  int expected_stops_ = 0;  ///< that were asked for and are no interruption
   service::ServiceContext context_;
   RunMonitor monitor_;
   SaveRequest save_request_;
   Progress progress_;
   std::set<std::string> savers_;  ///< services that have results and are alive
+  bool keep_view_;
+  std::string view_url_;  ///< where the viewer says it is
   bool frames_running_ = true;
   int lines_shown_ = 0;
   std::map<std::string, int> deaths_;  ///< of services, since a frame was finished
   std::int64_t done_at_last_death_ = 0;
   std::string failure_;
+  Clock::duration viewing_{};
   Clock::time_point first_frame_;
   Clock::time_point last_frame_;
 };

@@ -1,18 +1,15 @@
 #include "services/viewer/request_rules.hpp"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <charconv>
 
 namespace eg::services {
 namespace {
 
-template <typename Number>
-std::optional<Number> parse_number(std::string_view digits) {
-  Number number{};
+std::optional<std::int32_t> parse_number(std::string_view digits) {
+  std::int32_t number = 0;
   const auto parsed = std::from_chars(digits.data(), digits.data() + digits.size(), number);
   const bool whole = parsed.ec == std::errc{} && parsed.ptr == digits.data() + digits.size();
-  return whole ? std::optional<Number>(number) : std::nullopt;
+  return whole ? std::optional(number) : std::nullopt;
 }
 
 /// Without ":8080" at the end; the colons of an IPv6 address in brackets stay.
@@ -23,17 +20,6 @@ std::string_view without_port(std::string_view host) {
 }
 
 }  // namespace
-
-base::Result<HostAndPort> parse_host_and_port(std::string_view text) {
-  std::string_view host = without_port(text);
-  const bool has_port = host.size() + 1 < text.size();
-  const auto port = has_port ? parse_number<std::uint16_t>(text.substr(host.size() + 1)) : std::nullopt;
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  if (host.empty() || !port) {
-    return base::fail(fmt::format("'{}' is not an address like 127.0.0.1:8080 or [::1]:8080", text));
-  }
-  return HostAndPort{std::string(host), *port};
-}
 
 bool names_this_machine(std::string_view host_header) {
   const std::string_view host = without_port(host_header);
@@ -52,7 +38,7 @@ std::optional<std::int32_t> keyframe_of_path(std::string_view path) {
   constexpr std::string_view kExtension = ".jpg";
   if (!path.starts_with(kFolder) || !path.ends_with(kExtension)) return std::nullopt;
   if (path.size() <= kFolder.size() + kExtension.size()) return std::nullopt;
-  return parse_number<std::int32_t>(path.substr(kFolder.size(), path.size() - kFolder.size() - kExtension.size()));
+  return parse_number(path.substr(kFolder.size(), path.size() - kFolder.size() - kExtension.size()));
 }
 
 std::string_view path_of_target(std::string_view target) { return target.substr(0, target.find('?')); }

@@ -2,22 +2,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <string_view>
-
-#include "common/base/result.hpp"
 
 /// Decisions on what browsers ask for, apart from the network.
 namespace eg::services {
-
-/// A numeric host and a port.
-struct HostAndPort {
-  std::string host;  ///< without brackets
-  std::uint16_t port = 0;
-};
-
-/// "127.0.0.1:8080" or "[::1]:8080".
-base::Result<HostAndPort> parse_host_and_port(std::string_view text);
 
 /// Whether a Host header names this machine by a loopback address or "localhost". Other names that lead here belong to
 /// somebody else's website (DNS rebinding).

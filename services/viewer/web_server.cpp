@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/transport/web_address.hpp"
 #include "services/viewer/request_rules.hpp"
 
 namespace eg::services {
@@ -214,7 +215,7 @@ class WebServer::Implementation {
   Implementation& operator=(const Implementation&) = delete;
 
   base::Status listen() {
-    const auto address = parse_host_and_port(shared_.options.address);
+    const auto address = transport::parse_web_address(shared_.options.address);
     if (!address) return tl::make_unexpected(address.error());
     error_code failure;
     const auto host = asio::ip::make_address(address->host, failure);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/result.hpp"
+#include "common/transport/web_address.hpp"
 #include "services/viewer/board.hpp"
 #include "services/viewer/keyframe_images.hpp"
 #include "services/viewer/page_files.hpp"
@@ -13,9 +14,9 @@
 namespace eg::services {
 
 struct WebOptions {
-  std::string address = "127.0.0.1:8080";  ///< HOST:PORT with a numeric host ([::1]:8080 for IPv6); port 0: any
-  int max_connections = 64;                ///< at the same time; more are refused
-  std::chrono::seconds patience{20};       ///< for a request, for an answer to be taken, for a silent browser
+  std::string address = transport::kDefaultWebAddress;  ///< HOST:PORT, numeric ([::1]:8080 for IPv6); port 0: any
+  int max_connections = 64;                             ///< at the same time; more are refused
+  std::chrono::seconds patience{20};  ///< for a request, for an answer to be taken, for a silent browser
 };
 
 /// Serves the page, the keyframes' images (/keyframe/ID.jpg) and the stream of packets (WebSocket, /stream) from a

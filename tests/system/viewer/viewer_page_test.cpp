@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -213,6 +214,51 @@ TEST_F(ViewerPage, LeavesTheResultAsItIs) {
   EXPECT_EQ(report->evaluate(loaded), "0");
   viewer.send_signal(SIGINT);
   EXPECT_EQ(viewer.wait(20s), 0);
+}
+
+/// A terminal on this process's standard input, which programs that it starts inherit.
+class TerminalAsInput {
+ public:
+  TerminalAsInput() : master_(posix_openpt(O_RDWR | O_NOCTTY)), before_(dup(STDIN_FILENO)) {
+    EXPECT_TRUE(grantpt(master_) == 0 && unlockpt(master_) == 0);
+    const int terminal = ::open(ptsname(master_), O_RDWR | O_NOCTTY);
+    EXPECT_EQ(dup2(terminal, STDIN_FILENO), STDIN_FILENO);
+    close(terminal);
+  }
+  ~TerminalAsInput() {
+    dup2(before_, STDIN_FILENO);
+    close(before_);
+    close(master_);
+  }
+  TerminalAsInput(const TerminalAsInput&) = delete;
+  TerminalAsInput& operator=(const TerminalAsInput&) = delete;
+
+ private:
+  int master_;
+  int before_;
+};
+
+TEST_F(ViewerPage, IsServedByARunUntilSomebodyAtTheTerminalHasSeenIt) {
+  const std::vector<std::string> arguments = {"--dataset", "synthetic:corner",      "--frames", "10",
+                                              "--out",     folder_.path().string(), "--view",   "--http",
+                                              address_};
+  const TerminalAsInput terminal;
+  test::Browser browser;
+  test::Program run("egraph-run", arguments);
+  ASSERT_TRUE(run.wait_for_output("Watch it: open http://" + address_ + " in a browser")) << run.output();
+  ASSERT_TRUE(run.wait_for_output("The page stays at http://" + address_ + " until Ctrl-C")) << run.output();
+  const auto page = open(browser);
+  EXPECT_TRUE(page->wait_for("egraph.summary().keyframes > 0 && egraph.summary().triangles > 0"));
+
+  // Where somebody serves already, nobody else can.
+  std::vector<std::string> others = arguments;
+  others[5] = (folder_.path() / "other").string();
+  test::Program other("egraph-run", others);
+  EXPECT_EQ(other.wait(20s), 1);
+  EXPECT_THAT(other.output(), testing::HasSubstr("browsers cannot be served at " + address_));
+  run.send_signal(SIGINT);
+  EXPECT_EQ(run.wait(60s), 0) << run.output();
+  EXPECT_THAT(run.output(), testing::HasSubstr("ATE"));
 }
 
 }  // namespace
