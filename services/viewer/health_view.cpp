@@ -56,14 +56,14 @@ bool HealthView::add(const messages::ServiceStatus& status, std::int64_t now_uti
   return other_process;
 }
 
-std::vector<std::uint8_t> HealthView::packet(std::int64_t now_utime) const {
+std::vector<std::uint8_t> HealthView::packet(std::int64_t now_utime, std::int64_t silence) const {
   std::string rows;
   for (const auto& [key, service] : services_) {
     rows.append(rows.empty() ? "" : ",").append(to_json(service.recent, now_utime - service.heard_utime));
   }
   const std::string json = fmt::format("[{}]", rows);
   const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(json.data()), json.size());
-  return Packet("health").array("json", bytes).bytes();
+  return Packet("health").set("silence", 1e-6 * static_cast<double>(silence)).array("json", bytes).bytes();
 }
 
 }  // namespace eg::services

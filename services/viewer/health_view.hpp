@@ -17,9 +17,9 @@ class HealthView {
   bool add(const messages::ServiceStatus& status, std::int64_t now_utime);
   void clear() { services_.clear(); }
 
-  /// The packet "health": one row per service, rates and CPU over the last seconds. A service that has said nothing for
-  /// three seconds, and not that it ends, is silent.
-  [[nodiscard]] std::vector<std::uint8_t> packet(std::int64_t now_utime) const;
+  /// The packet "health": for how long no frame has come (`silence`, microseconds), and one row per service, rates and
+  /// CPU over the last seconds. A service that has said nothing for three seconds, and not that it ends, is silent.
+  [[nodiscard]] std::vector<std::uint8_t> packet(std::int64_t now_utime, std::int64_t silence) const;
 
  private:
   struct Service {

@@ -18,6 +18,10 @@ constexpr int kDepthJpegQuality = 70;
 constexpr int kDepthWidth = 320;   ///< pixels
 constexpr double kFarthest = 5.0;  ///< metres; what structured light measures well lies nearer
 
+// Places in the colour map, whose ends are too dark to tell apart.
+constexpr double kNearColour = 240.0;
+constexpr double kFarColour = 20.0;
+
 template <typename Queue, typename Item>
 void add_newest(Queue& queue, const Item& item) {
   queue.push_back(item);
@@ -32,15 +36,15 @@ auto* find_newest(const Queue& queue, const image::FrameHeader& header) {
   return found == queue.rend() ? nullptr : &*found;
 }
 
-/// Near is yellow, far is blue, no reading is black.
+/// Near is red, far is blue, no reading is black.
 std::vector<std::uint8_t> draw_depth(const cv::Mat& depth, double units_per_metre) {
   cv::Mat small;
   const int height = std::max(1, depth.rows * kDepthWidth / depth.cols);
   cv::resize(depth, small, {kDepthWidth, height}, 0, 0, cv::INTER_NEAREST);
   cv::Mat nearness;
-  small.convertTo(nearness, CV_8U, -255.0 / (kFarthest * units_per_metre), 255.0);
+  small.convertTo(nearness, CV_8U, (kFarColour - kNearColour) / (kFarthest * units_per_metre), kNearColour);
   cv::Mat coloured;
-  cv::applyColorMap(nearness, coloured, cv::COLORMAP_CIVIDIS);
+  cv::applyColorMap(nearness, coloured, cv::COLORMAP_TURBO);
   coloured.setTo(cv::Scalar(0, 0, 0), small == 0);
   return codec::encode_colour(coloured, codec::ColourEncoding::jpeg, kDepthJpegQuality);
 }

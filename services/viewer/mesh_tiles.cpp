@@ -90,7 +90,7 @@ bool MeshTiles::add(const mapping::MeshChunk& chunk) {
   tile.parts.insert_or_assign(chunk.part, chunk.mesh);
   if (tile.parts.size() < static_cast<std::size_t>(chunk.parts)) return true;
   const bool put =
-      board_.put(fmt::format("tile/{}/{}/{}", number[0], number[1], number[2]), tile_packet(chunk.tile, tile.parts));
+      board_.put(fmt::format("tile/{}/{}/{}", number[0], number[1], number[2]), tile_packet(chunk, tile.parts));
   tile = {put ? chunk.revision : -1, -1, {}};
   return put;
 }
@@ -99,7 +99,7 @@ void MeshTiles::forget_revisions() {
   for (auto& [number, tile] : tiles_) tile = {};
 }
 
-std::vector<std::uint8_t> tile_packet(const Eigen::Vector3i& tile, const Parts& parts) {
+std::vector<std::uint8_t> tile_packet(const mapping::MeshChunk& chunk, const Parts& parts) {
   const Eigen::AlignedBox3f box = bounds_of(parts);
   const std::vector<std::uint16_t> positions = positions_of(parts, box);
   std::vector<float> bounds;
@@ -108,7 +108,8 @@ std::vector<std::uint8_t> tile_packet(const Eigen::Vector3i& tile, const Parts& 
     append(bounds, box.max());
   }
   Packet packet("tile");
-  packet.array("tile", std::span<const std::int32_t>(tile.data(), 3))
+  packet.set("edge", chunk.tile_size)
+      .array("tile", std::span<const std::int32_t>(chunk.tile.data(), 3))
       .array("bounds", bounds)
       .array("positions", positions)
       .array("normals", normals_of(parts))

@@ -39,7 +39,8 @@ class MeshTiles {
   std::map<Number, Tile> tiles_;
 };
 
-/// The packet "tile" of a tile's whole mesh; an empty mesh makes an empty tile.
-std::vector<std::uint8_t> tile_packet(const Eigen::Vector3i& tile, const std::map<std::int32_t, mapping::Mesh>& parts);
+/// The packet "tile" of the whole mesh of a chunk's tile; an empty mesh makes an empty tile.
+std::vector<std::uint8_t> tile_packet(const mapping::MeshChunk& chunk,
+                                      const std::map<std::int32_t, mapping::Mesh>& parts);
 
 }  // namespace eg::services

@@ -205,7 +205,7 @@ void ViewerService::put_structure() {
 }
 
 void ViewerService::put_slow_parts() {
-  check(board_.put("health", health_.packet(now_)));
+  check(board_.put("health", health_.packet(now_, latest_pose_ ? now_ - heard_pose_ : 0)));
   if (ground_truth_.is_given()) check(ground_truth_.put(board_, trajectory_.poses(graph_)));
   if (session_ && is_due(next_request_, now_, kRequestPeriod)) ask_for_what_is_missing();
 }

@@ -24,17 +24,17 @@ export class HealthPanel {
 
   row(service) {
     const row = document.createElement('tr');
-    row.className = service.silent ? 'silent' : '';
+    const ended = service.state === 'ended';
+    row.className = service.silent ? 'silent' : ended ? 'ended' : '';
     row.title = `${service.host}, process ${service.pid}, ${service.state}` +
         (service.last_rejection ? `; last refused: ${service.last_rejection}` : '');
     const cells = [
       [service.service.replace(/_/g, ' ')],
-      ...(service.silent ? [[`${service.silent_for.toFixed(0)} s`], ['–'], ['–'], ['–']] :
-                           [[service.rate.toFixed(1)], [milliseconds(service.p50)], [milliseconds(service.p90)],
-                            [milliseconds(service.p99)]]),
+      [service.silent ? `${service.silent_for.toFixed(0)} s` : ended ? 'ended' : service.rate.toFixed(1)],
+      ...[service.p50, service.p90, service.p99].map((time) => [service.silent ? '–' : milliseconds(time)]),
       [service.dropped, service.dropped > 0],
       [service.rejected, service.rejected > 0],
-      [service.silent ? '–' : `${(100 * service.cpu).toFixed(0)} %`],
+      [service.silent || ended ? '–' : `${(100 * service.cpu).toFixed(0)} %`],
       [(service.memory / kMegabyte).toFixed(0)],
     ];
     for (const [text, attention] of cells) {

@@ -1,6 +1,7 @@
 import {CameraLayer} from './camera_layer.js';
 import {connect} from './connection.js';
 import {EdgeLayer, KeyframeLayer, SelectionLayer} from './graph_layer.js';
+import {GridLayer} from './grid_layer.js';
 import {HealthPanel} from './health_panel.js';
 import {ImagePanel} from './image_panel.js';
 import {KeyframeCard} from './keyframe_card.js';
@@ -11,8 +12,9 @@ import {TrajectoryLayer, TruthLayer} from './path_layer.js';
 import {SceneModel} from './scene_model.js';
 import {DirectionSphere} from './sphere.js';
 import {LineLayer, PlaneLayer, PointLayer} from './structure_layer.js';
-import {View} from './view.js';
+import {View, kNarrow} from './view.js';
 
+const kSilentAfter = 3;  // seconds without a new frame
 const kClickRadius = 4;  // pixels: more is a drag
 
 const view = new View(document.getElementById('view'));
@@ -28,6 +30,7 @@ const points = new PointLayer(view, model);
 const lines = new LineLayer(view, model);
 const planes = new PlaneLayer(view);
 const camera = new CameraLayer(view);
+const grid = new GridLayer(view);
 const sphere = new DirectionSphere(view);
 const health = new HealthPanel();
 const image = new ImagePanel((bitmap) => camera.setImage(bitmap));
@@ -42,6 +45,7 @@ const panel = new LayersPanel([
   {name: 'points', label: 'Points', colour: '#d5dfeb', layer: points, visible: false},
   {name: 'lines', label: 'Lines', colour: '#ff8f3f', layer: lines, visible: true},
   {name: 'planes', label: 'Planes', colour: '#9d7bff', layer: planes, visible: false},
+  {name: 'grid', label: 'Grid', colour: kLayerColours.grid, layer: grid, visible: true},
 ], () => view.invalidate());
 
 const errors = [];           // what should not have happened
@@ -49,6 +53,7 @@ window.addEventListener('error', (event) => errors.push(event.message));
 window.addEventListener('unhandledrejection', (event) => errors.push(String(event.reason)));
 
 let latest = null;           // the newest packet "camera"
+let silence = 0;             // seconds for which the viewer has heard of no frame
 const stale = new Set();     // what has to be drawn anew before the next frame
 
 const takers = {
@@ -63,12 +68,12 @@ const takers = {
   truth: (packet) => { truth.take(packet); stale.add('truth'); },
   camera: (packet) => { latest = packet; stale.add('camera'); },
   live: (packet) => image.take(packet),
-  health: (packet) => health.take(packet),
+  health: (packet) => { health.take(packet); silence = packet.silence; showState(); },
 };
 
 function take(packet) {
   if (takers[packet.type]) takers[packet.type](packet);
-  view.invalidate();
+  if (packet.type !== 'health') view.invalidate();  // every second, and not in the scene
 }
 
 /** The viewer has begun a new scene, or the connection to it. */
@@ -92,15 +97,24 @@ function refresh() {
   mesh.bounds(box);
   trajectory.bounds(box);
   view.setBounds(box);
+  grid.update(view.bounds);
   panel.update();
 }
 
-function showCamera(packet) {
-  const {state, reason, pose, up, mirrored, has_pose: hasPose} = packet;
+/** What the tracker said last, or for how long it has said nothing. */
+function showState() {
+  if (!latest) return;
+  const state = latest.state.replace('_', ' ');
+  const silent = silence > kSilentAfter;
   const pill = document.getElementById('state');
-  pill.textContent = state.replace('_', ' ');
-  pill.dataset.state = state;
-  document.getElementById('reason').textContent = reason;
+  pill.textContent = silent ? `no frame for ${Math.floor(silence)} s` : state;
+  pill.dataset.state = silent ? 'silent' : latest.state;
+  document.getElementById('reason').textContent = silent ? `the last one: ${state}` : latest.reason;
+}
+
+function showCamera(packet) {
+  const {pose, up, mirrored, has_pose: hasPose} = packet;
+  showState();
   document.getElementById('numbers').textContent = `matched ${packet.points} points · ${packet.lines} lines · ` +
       `${packet.planes} planes · ${packet.directions} directions`;
   view.orient(up, mirrored);
@@ -126,10 +140,15 @@ for (const button of document.querySelectorAll('#modes button')) {
   button.onclick = () => {
     document.querySelectorAll('#modes button').forEach((other) => other.classList.toggle('chosen', other === button));
     view.setMode(button.dataset.mode);
+    if (latest) showCamera(latest);
   };
 }
 
 view.beforeDrawing.unshift(refresh);
+// Small screens are for the scene: panels open when they are asked for.
+if (window.innerWidth <= kNarrow) {
+  document.querySelectorAll('#panels details').forEach((panel) => { panel.open = panel.id === 'keyframe'; });
+}
 connect(take, (online) => { document.getElementById('offline').hidden = online; });
 
 /** For tests and the curious: what is on the page, in numbers. */

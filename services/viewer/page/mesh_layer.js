@@ -4,6 +4,8 @@ import {simplify} from './simplify.js';
 // that is far away or that the machine cannot draw in time is drawn coarsely while the view moves.
 
 const kCells = [0.04, 0.1];     // metres: sizes of the cells that the coarser levels are made of
+const kMostCells = 64;          // along an edge of a tile
+const kLargest = 65535;         // of the numbers that positions are sent as
 const kFinestPixels = 1.5;      // a cell smaller than this on the screen may be drawn as one point
 const kCoarsestPixels = 40;
 const kGoodFrame = 20;          // ms
@@ -14,7 +16,9 @@ export class MeshLayer {
   constructor(view) {
     this.view = view;
     this.group = new THREE.Group();
-    this.material = new THREE.MeshLambertMaterial({vertexColors: THREE.VertexColors});
+    // A little behind where it is, so that planes and lines in the surface are seen.
+    this.material = new THREE.MeshLambertMaterial(
+        {vertexColors: THREE.VertexColors, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4});
     this.tiles = new Map();
     this.waiting = [];  // tiles without their coarser levels
     this.triangles = 0;
@@ -46,13 +50,15 @@ export class MeshLayer {
     this.view.invalidate();
   }
 
-  add(key, {positions, normals, colours, indices, bounds}) {
+  add(key, {positions, normals, colours, indices, bounds, tile: number, edge}) {
     const low = new THREE.Vector3().fromArray(bounds);
     const size = new THREE.Vector3().fromArray(bounds, 3).sub(low);
     const scale = Math.max(size.x, size.y, size.z, 1e-6);  // what the numbers from 0 to 1 are multiplied with
     const half = size.clone().divideScalar(2 * scale);
     const tile = {
-      positions, indices, size, scale,
+      positions, indices, size, scale, edge,
+      low: low.toArray().map((x, axis) => x - number[axis] * edge),
+      step: scale / kLargest,
       attributes: {
         position: new THREE.BufferAttribute(positions, 4, true),
         normal: new THREE.BufferAttribute(normals, 4, true),
@@ -87,8 +93,8 @@ export class MeshLayer {
       const tile = this.waiting.shift();
       if (!tile.mesh.parent) continue;
       for (const cell of kCells) {
-        const cells = Math.max(1, Math.min(64, Math.ceil(tile.scale / cell)));
-        tile.levels.push(this.geometry(tile, simplify(tile.positions, tile.indices, cells)));
+        const cells = Math.max(1, Math.min(kMostCells, Math.ceil(tile.edge / cell)));
+        tile.levels.push(this.geometry(tile, simplify(tile, cells)));
       }
     }
     if (this.waiting.length > 0) this.view.invalidate();

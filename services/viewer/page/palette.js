@@ -17,5 +17,5 @@ export function colour(number) {
 }
 
 export const kLayerColours = {
-  trajectory: '#6ea8fe', truth: '#ffd84d', keyframes: '#c3d0e0', covisibility: '#ff5d5d', egraph: '#3ddc97',
+  trajectory: '#6ea8fe', truth: '#ffd84d', keyframes: '#c3d0e0', covisibility: '#ff5d5d', egraph: '#3ddc97', grid: '#3a4656',
 };

@@ -4,6 +4,7 @@ import {colour} from './palette.js';
 
 const kPlaneNormal = 0;
 const kPotentialDirection = 2;
+const kWellKnown = 20;  // observations
 
 export class DirectionSphere {
   constructor(view) {
@@ -34,16 +35,16 @@ export class DirectionSphere {
   }
 
   /** Planes point one way; lines have no sign and are drawn both ways. */
-  ray({kind, direction, colour: number}) {
+  ray({kind, direction, observations, colour: number}) {
     const paint = colour(number);
-    const faint = kind === kPotentialDirection;
+    const trust = Math.min(1, observations / kWellKnown);
     const start = kind === kPlaneNormal ? new THREE.Vector3() : direction.clone().negate();
     const line = new THREE.Line(
         new THREE.BufferGeometry().setFromPoints([start, direction]),
-        new THREE.LineBasicMaterial({color: paint, transparent: true, opacity: faint ? 0.25 : 0.9}));
+        new THREE.LineBasicMaterial({color: paint, transparent: true, opacity: kind === kPotentialDirection ? 0 : trust}));
     const tip = new THREE.Mesh(this.marker, new THREE.MeshBasicMaterial({color: paint}));
     tip.position.copy(direction);
-    tip.scale.setScalar(kind === kPlaneNormal ? 0.065 : faint ? 0.02 : 0.04);
+    tip.scale.setScalar((kind === kPlaneNormal ? 0.07 : 0.045) * (0.3 + 0.7 * trust));
     const ray = new THREE.Group();
     ray.add(line, tip);
     return ray;

@@ -3,6 +3,7 @@ import {colour} from './palette.js';
 // The sparse map: points, lines by direction, planes. Points and lines hang on their keyframes.
 
 const kPointColour = 0xd5dfeb;
+const kLineOpacity = 0.3;  // of what one keyframe saw: lines that many saw are bright, and single mistakes are faint
 
 /** One object per keyframe, moved by the keyframe's pose. */
 class OnKeyframes {
@@ -67,7 +68,8 @@ export class PointLayer extends OnKeyframes {
 export class LineLayer extends OnKeyframes {
   constructor(view, model) {
     super(view, model);
-    this.material = new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors, transparent: true, opacity: 0.7});
+    this.material = new THREE.LineBasicMaterial(
+        {vertexColors: THREE.VertexColors, transparent: true, opacity: kLineOpacity, depthWrite: false});
   }
 
   take({keyframe, lines, line_colours: numbers}) {

@@ -1,12 +1,13 @@
 // The 3D view: renderer, cameras, points of view. It draws only when something has changed.
 
 const kFieldOfView = 50;     // degrees
-const kTightness = 0.66;     // a scene fills its bounding sphere by about so much
 const kStillAfter = 250;     // ms without a movement
 const kSphere = 170;         // pixels
+const kFollowing = 0.35;     // of the way to where the followed camera is, per pose
 const kBackground = 0x11161d;
-const kNarrow = 900;         // pixels: narrower pages have their panels below
-const kPanels = 104;         // pixels by which the right panels are wider than the left ones, halved
+export const kNarrow = 900;         // pixels: narrower pages have their panels below
+const kLeft = 228, kRight = 436, kTop = 44;  // pixels that panels and header take
+const kMargin = 24;
 
 export class View {
   constructor(canvas) {
@@ -30,6 +31,7 @@ export class View {
     this.controls.addEventListener('change', () => this.moved());
     this.controls.addEventListener('start', () => { this.touched = true; });
     this.mode = 'orbit';
+    this.behind = false;    // of the camera that is followed
     this.touched = false;   // until the user takes over, the view follows the scene's growth
     this.bounds = new THREE.Box3();
     this.inset = null;      // {scene, camera}: drawn in the corner
@@ -75,6 +77,7 @@ export class View {
   setMode(mode) {
     this.mode = mode;
     this.touched = false;
+    this.behind = false;    // of the camera that is followed
     this.controls.enabled = mode !== 'follow';
     if (mode !== 'follow') this.frame();
     this.moved();
@@ -84,14 +87,38 @@ export class View {
   frame() {
     if (this.bounds.isEmpty()) return;
     const centre = this.bounds.getCenter(new THREE.Vector3());
-    const radius = this.bounds.getSize(new THREE.Vector3()).length() / 2;
-    const direction = this.mode === 'top' ? new THREE.Vector3(0, 1, 0.001) : new THREE.Vector3(0.55, 0.75, 0.8);
-    const free = Math.min(1, this.canvas.clientWidth > kNarrow ? this.camera.aspect - 0.7 : this.camera.aspect);
-    const distance = radius / Math.sin(THREE.Math.degToRad(kFieldOfView / 2)) / free * kTightness;
+    const back = this.mode === 'top' ? new THREE.Vector3(0, 1, 0.001) : new THREE.Vector3(0.55, 0.75, 0.8);
+    back.normalize();
     this.controls.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(direction.normalize(), distance);
+    this.camera.position.copy(centre).addScaledVector(back, this.distanceToSeeAll(centre, back));
     this.controls.update();
     this.invalidate();
+  }
+
+  /** How far from the centre, in the direction "back", every corner of the scene is in the free part of the canvas. */
+  distanceToSeeAll(centre, back) {
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    const {left, right, top} = this.margins();
+    const perPixel = 2 * Math.tan(THREE.Math.degToRad(kFieldOfView / 2)) / height;
+    const slopeX = perPixel * Math.max(1, width - left - right - 2 * kMargin) / 2;
+    const slopeY = perPixel * Math.max(1, height - top - 2 * kMargin) / 2;
+    const across = new THREE.Vector3(0, 1, 0).cross(back).normalize();
+    const upwards = new THREE.Vector3().crossVectors(back, across);
+    let distance = 0;
+    for (let corner = 0; corner < 8; ++corner) {
+      const {min, max} = this.bounds;
+      const offset = new THREE.Vector3(corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z)
+          .sub(centre);
+      const wide = Math.max(Math.abs(offset.dot(across)) / slopeX, Math.abs(offset.dot(upwards)) / slopeY);
+      distance = Math.max(distance, offset.dot(back) + wide);
+    }
+    return distance;
+  }
+
+  /** Pixels of the canvas that are covered. */
+  margins() {
+    const wide = this.canvas.clientWidth > kNarrow;
+    return {left: wide ? kLeft : 0, right: wide ? kRight : 0, top: kTop};
   }
 
   /** Goes behind the camera whose pose (world from camera) is given, in follow mode. */
@@ -101,8 +128,10 @@ export class View {
     const down = mirrored ? 1 : -1;
     const eye = new THREE.Vector3(0, down * 0.5, -1.4).applyMatrix4(worldPose);
     const target = new THREE.Vector3(0, 0, 1.5).applyMatrix4(worldPose);
-    this.camera.position.lerp(eye, 0.35);
-    this.controls.target.lerp(target, 0.35);
+    const step = this.behind ? kFollowing : 1;
+    this.behind = true;
+    this.camera.position.lerp(eye, step);
+    this.controls.target.lerp(target, step);
     this.camera.lookAt(this.controls.target);
     this.invalidate();
   }
@@ -121,8 +150,8 @@ export class View {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(1, height);
     // The middle of what the panels leave free.
-    const shift = width > kNarrow ? kPanels : 0;
-    this.camera.setViewOffset(width, height, shift, 0, width, height);
+    const {left, right, top} = this.margins();
+    this.camera.setViewOffset(width, height, (right - left) / 2, -top / 2, width, height);
     this.invalidate();
   }
 

@@ -348,6 +348,15 @@ TEST_F(ViewerServiceTest, SaysWhichServiceIsSilent) {
   EXPECT_TRUE(later[1]["silent"]);
 }
 
+TEST_F(ViewerServiceTest, SaysForHowLongNoFrameHasCome) {
+  pass(9 * kSecond);
+  EXPECT_DOUBLE_EQ(look().at("health").head["silence"], 0.0) << "nothing has begun";
+  send_keyframe(0, {});
+  pass(kSecond);
+  pass(7 * kSecond);
+  EXPECT_DOUBLE_EQ(look().at("health").head["silence"], 8.0);
+}
+
 TEST_F(ViewerServiceTest, CountsWhatIsNoMessageAndGoesOn) {
   for (const char* channel :
        {channels::kRgbd, channels::kFeatures, channels::kPose, channels::kGraphUpdate, channels::kGraphSnapshot,
