@@ -1,20 +1,14 @@
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/transport/lcm_url.hpp"
-#include "tests/support/browser.hpp"
-#include "tests/support/program.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tests/support/web_client.hpp"
+#include "tests/system/viewer/viewer_page.hpp"
 
-/// The real page in a real browser, watching all processes.
+/// The page watching all processes.
 namespace eg {
 namespace {
 
@@ -30,22 +24,8 @@ const Names kEverything = {"sequence", "triangles", "tiles", "poses",  "keyframe
 /// What a viewer that starts late can still learn.
 const Names kLasting = {"triangles", "tiles", "keyframes", "edges", "points", "lines", "landmarks"};
 
-class ViewerPage : public testing::Test {
+class ViewerPage : public test::ViewerPage {
  protected:
-  void SetUp() override {
-    if (!test::Browser::is_installed()) GTEST_SKIP() << "no browser: apt install chromium-headless-shell";
-    address_ = "127.0.0.1:" + std::to_string(test::free_tcp_port());
-    lcm_url_ = transport::lcm_url_for_port(30'000 + getpid() % 10'000);
-  }
-  void TearDown() override { EXPECT_TRUE(test::no_process_is_left()); }
-
-  std::unique_ptr<test::BrowserPage> open(test::Browser& browser) const {
-    auto page = browser.open("http://" + address_);
-    page->resize(1440, 900);
-    EXPECT_TRUE(page->wait_for("window.egraph && egraph.summary().online"));
-    return page;
-  }
-
   static json summary(test::BrowserPage& page) { return json::parse(page.evaluate("egraph.summary()")); }
 
   static json content(test::BrowserPage& page, const Names& names) {
@@ -105,10 +85,6 @@ class ViewerPage : public testing::Test {
     EXPECT_TRUE(page.wait_for("document.getElementById('keyframe-image').naturalWidth > 0"));
     EXPECT_NE(page.evaluate("document.querySelectorAll('#keyframe-directions li').length"), "0");
   }
-
-  std::string address_;
-  std::string lcm_url_;
-  test::TemporaryFolder folder_;
 };
 
 TEST_F(ViewerPage, FollowsTheSystemAndHeals) {
@@ -214,51 +190,6 @@ TEST_F(ViewerPage, LeavesTheResultAsItIs) {
   EXPECT_EQ(report->evaluate(loaded), "0");
   viewer.send_signal(SIGINT);
   EXPECT_EQ(viewer.wait(20s), 0);
-}
-
-/// A terminal on this process's standard input, which programs that it starts inherit.
-class TerminalAsInput {
- public:
-  TerminalAsInput() : master_(posix_openpt(O_RDWR | O_NOCTTY)), before_(dup(STDIN_FILENO)) {
-    EXPECT_TRUE(grantpt(master_) == 0 && unlockpt(master_) == 0);
-    const int terminal = ::open(ptsname(master_), O_RDWR | O_NOCTTY);
-    EXPECT_EQ(dup2(terminal, STDIN_FILENO), STDIN_FILENO);
-    close(terminal);
-  }
-  ~TerminalAsInput() {
-    dup2(before_, STDIN_FILENO);
-    close(before_);
-    close(master_);
-  }
-  TerminalAsInput(const TerminalAsInput&) = delete;
-  TerminalAsInput& operator=(const TerminalAsInput&) = delete;
-
- private:
-  int master_;
-  int before_;
-};
-
-TEST_F(ViewerPage, IsServedByARunUntilSomebodyAtTheTerminalHasSeenIt) {
-  const std::vector<std::string> arguments = {"--dataset", "synthetic:corner",      "--frames", "10",
-                                              "--out",     folder_.path().string(), "--view",   "--http",
-                                              address_};
-  const TerminalAsInput terminal;
-  test::Browser browser;
-  test::Program run("egraph-run", arguments);
-  ASSERT_TRUE(run.wait_for_output("Watch it: open http://" + address_ + " in a browser")) << run.output();
-  ASSERT_TRUE(run.wait_for_output("The page stays at http://" + address_ + " until Ctrl-C")) << run.output();
-  const auto page = open(browser);
-  EXPECT_TRUE(page->wait_for("egraph.summary().keyframes > 0 && egraph.summary().triangles > 0"));
-
-  // Where somebody serves already, nobody else can.
-  std::vector<std::string> others = arguments;
-  others[5] = (folder_.path() / "other").string();
-  test::Program other("egraph-run", others);
-  EXPECT_EQ(other.wait(20s), 1);
-  EXPECT_THAT(other.output(), testing::HasSubstr("browsers cannot be served at " + address_));
-  run.send_signal(SIGINT);
-  EXPECT_EQ(run.wait(60s), 0) << run.output();
-  EXPECT_THAT(run.output(), testing::HasSubstr("ATE"));
 }
 
 }  // namespace
