@@ -163,6 +163,7 @@ window.egraph = {
     points: points.count, lines: lines.count, planes: planes.count, landmarks: model.landmarks.size,
     services: health.services.map((service) => service.service),
     silent: health.services.filter((service) => service.silent).map((service) => service.service),
-    online: document.getElementById('offline').hidden, drawn: view.stats.frames, drawnTriangles: view.triangles,
+    online: document.getElementById('offline').hidden, settled: !view.isMoving() && mesh.waiting.length === 0,
+    drawn: view.stats.frames, drawnTriangles: view.triangles,
   }),
 };

@@ -66,6 +66,7 @@ class ViewerPage : public test::ViewerPage {
   }
 
   static void switch_layers_and_views(test::BrowserPage& page) {
+    EXPECT_TRUE(page.wait_for("egraph.summary().settled"));  // while the view moves, there is less detail
     const std::string draw = "egraph.view.draw(), egraph.summary().drawnTriangles";
     const int drawn = std::stoi(page.evaluate(draw));
     page.evaluate("document.querySelector('input[name=mesh]').click()");
