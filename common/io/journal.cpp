@@ -45,12 +45,40 @@ base::Status check_journal(const std::filesystem::path& path, std::uint64_t sche
 }
 
 base::Status write_journal(const std::filesystem::path& path, std::uint64_t schema,
-                           const std::function<void(const std::function<void(const JournalRecord&)>&)>& fill) {
+                           const std::function<base::Status(const std::function<void(const JournalRecord&)>&)>& fill) {
   return write_file_atomically(path, [&](std::ostream& file) -> base::Status {
     file << format_journal(schema, {});
-    fill([&file](const JournalRecord& record) { file << format_journal_record(record); });
-    return {};
+    return fill([&file](const JournalRecord& record) { file << format_journal_record(record); });
   });
+}
+
+base::Status read_journal(const std::filesystem::path& path, std::uint64_t schema,
+                          const std::function<base::Status(const JournalRecord&)>& take) {
+  if (auto sound = check_journal(path, schema); !sound) return sound;
+  std::error_code failure;
+  std::uintmax_t left = std::filesystem::file_size(path, failure);
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(kJournalHeaderBytes);
+  if (failure || !file.good()) return base::fail(path.string() + ": cannot be read");
+  left -= kJournalHeaderBytes;
+  std::string bytes;
+  const auto read = [&](std::size_t size) {
+    if (size > left) return false;
+    bytes.resize(size);
+    left -= size;
+    return file.read(bytes.data(), static_cast<std::streamsize>(size)).good();
+  };
+  for (int number = 0; left > 0; ++number) {
+    const auto about = [&](const std::string& what) {
+      return base::fail(path.string() + ": record " + std::to_string(number) + what);
+    };
+    if (!read(kRecordHeaderBytes)) return about(" is cut short");
+    const RecordHeader header = parse_record_header(bytes);
+    if (!read(header.length)) return about(" is cut short");
+    if (!is_sound(header, bytes)) return about(" has a wrong checksum");
+    if (const auto taken = take({header.kind, bytes}); !taken) return about(": " + taken.error().message);
+  }
+  return {};
 }
 
 Journal::Journal(std::filesystem::path path, int descriptor, std::size_t size)

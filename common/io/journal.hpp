@@ -35,10 +35,16 @@ base::Result<JournalContents> parse_journal(std::string_view bytes, std::uint64_
 /// The same for the beginning of a file: whether parse_journal() would take it, whatever its records are.
 base::Status check_journal(const std::filesystem::path& path, std::uint64_t schema);
 
+/// Reads a journal that shall be whole, record by record: `take` gets each in turn and may refuse it. Refuses what
+/// parse_journal() refuses, and damage. Errors name the file and the record.
+base::Status read_journal(const std::filesystem::path& path, std::uint64_t schema,
+                          const std::function<base::Status(const JournalRecord&)>& take);
+
 /// Writes a journal that is too large to be held at once, whole or not at all, in the place of whatever is under
-/// `path`: `fill` is called with a function that takes the records one by one.
-base::Status write_journal(const std::filesystem::path& path, std::uint64_t schema,
-                           const std::function<void(const std::function<void(const JournalRecord&)>& add)>& fill);
+/// `path`: `fill` is called with a function that takes the records one by one. Its error is passed on.
+base::Status write_journal(
+    const std::filesystem::path& path, std::uint64_t schema,
+    const std::function<base::Status(const std::function<void(const JournalRecord&)>& add)>& fill);
 
 /// An append-only file of records. What append() has confirmed survives the process and the machine. (The services' logs
 /// of messages, which survive the process only and are ten times larger, are service::MessageJournal.)

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -10,7 +9,6 @@ namespace {
 
 constexpr std::string_view kMagic = "EGRAPHJ";
 constexpr char kFormatVersion = 1;
-constexpr std::size_t kRecordHeaderBytes = 9;  // length, checksum, kind
 
 template <typename Unsigned>
 void put(std::string& bytes, Unsigned value) {
@@ -83,6 +81,14 @@ std::string format_journal_record(const JournalRecord& record) {
   return bytes;
 }
 
+RecordHeader parse_record_header(std::string_view bytes) {
+  return {get<std::uint32_t>(bytes), get<std::uint32_t>(bytes.substr(4)), static_cast<std::uint8_t>(bytes[8])};
+}
+
+bool is_sound(const RecordHeader& head, std::string_view bytes) {
+  return checksum_of({head.kind, bytes}) == head.checksum;
+}
+
 std::string format_journal(std::uint64_t schema, std::span<const JournalRecord> records) {
   std::string bytes = header(schema);
   for (const JournalRecord& record : records) bytes.append(format_journal_record(record));
@@ -96,18 +102,18 @@ base::Result<JournalContents> parse_journal(std::string_view bytes, std::uint64_
   while (contents.sound_bytes < bytes.size()) {
     const std::string_view rest = bytes.substr(contents.sound_bytes);
     const std::string name = "record " + std::to_string(contents.records.size());
-    const std::size_t length = rest.size() < kRecordHeaderBytes ? rest.size() : get<std::uint32_t>(rest);
-    if (length > rest.size() - std::min(rest.size(), kRecordHeaderBytes)) {
+    if (rest.size() < kRecordHeaderBytes || parse_record_header(rest).length > rest.size() - kRecordHeaderBytes) {
       contents.damage = name + " is cut short";
       break;
     }
-    const JournalRecord record{static_cast<std::uint8_t>(rest[8]), rest.substr(kRecordHeaderBytes, length)};
-    if (get<std::uint32_t>(rest.substr(4)) != checksum_of(record)) {
+    const RecordHeader head = parse_record_header(rest);
+    const JournalRecord record{head.kind, rest.substr(kRecordHeaderBytes, head.length)};
+    if (!is_sound(head, record.bytes)) {
       contents.damage = name + " has a wrong checksum";
       break;
     }
     contents.records.push_back(record);
-    contents.sound_bytes += kRecordHeaderBytes + length;
+    contents.sound_bytes += kRecordHeaderBytes + head.length;
   }
   return contents;
 }

@@ -8,9 +8,8 @@
 #include <memory>
 #include <optional>
 
-#include "common/mapping/leaf_observer.hpp"
 #include "common/mapping/leaf_walk.hpp"
-#include "common/mapping/tile_block_reader.hpp"
+#include "common/mapping/tile_numbers.hpp"
 
 namespace eg::mapping {
 namespace {
@@ -93,13 +92,16 @@ bool is_empty(const LeafSums& sums) {
 
 }  // namespace
 
-IntegrationResult integrate_frame(const image::RectifiedFrame& frame, const geometry::Pose& world_from_camera,
-                                  const TsdfOptions& options, Change change, TsdfGrids& grids) {
-  const LeafObserver observer(frame, world_from_camera, options);
-  auto leaves = leaves_near_surface(observer.view(), frame.camera, world_from_camera, options, kLeafSide);
-  std::erase_if(leaves, [&](const Eigen::Vector3i& leaf) { return !is_needed(options, leaf); });
-  std::vector<LeafTask> tasks = make_tasks(leaves, grids);
-  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) { run_task(observer, change, tasks[i]); });
+FrameChange::FrameChange(const image::RectifiedFrame& frame, const geometry::Pose& world_from_camera,
+                         const TsdfOptions& options)
+    : observer_(frame, world_from_camera, options),
+      leaves_(leaves_near_surface(observer_.view(), frame.camera, world_from_camera, options, kLeafSide)) {
+  std::erase_if(leaves_, [&](const Eigen::Vector3i& leaf) { return !is_needed(options, leaf); });
+}
+
+IntegrationResult FrameChange::apply(Change change, TsdfGrids& grids) const {
+  std::vector<LeafTask> tasks = make_tasks(leaves_, grids);
+  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) { run_task(observer_, change, tasks[i]); });
 
   IntegrationResult result;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -107,7 +109,7 @@ IntegrationResult integrate_frame(const image::RectifiedFrame& frame, const geom
     if (task.changed == 0) continue;
     ++result.summary.leaves;
     result.summary.voxels += task.changed;
-    result.changed_leaves.push_back(leaves[i]);
+    result.changed_leaves.push_back(leaves_[i]);
     if (task.fresh) grids.insert(*std::move(task.fresh));
     if (task.fresh_colour) grids.colour.addLeaf(task.fresh_colour.release());
     if (change == Change::take_back && is_empty(task.sums)) grids.erase(task.origin);

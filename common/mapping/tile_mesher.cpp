@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
 
 #include "common/mapping/marching_cubes.hpp"
 
@@ -142,24 +141,6 @@ class Mesher {
   TileMesh result_;
 };
 
-/// Numbers of a tile's vertices in the joined mesh.
-std::vector<std::uint32_t> append_vertices(const TileMesh& tile,
-                                           std::unordered_map<std::uint64_t, std::uint32_t>& shared, Mesh& joined) {
-  std::vector<std::uint32_t> joined_from_tile(tile.mesh.vertices.size(), kNoVertex);
-  for (const auto& [key, vertex] : tile.border) {
-    if (const auto it = shared.find(key); it != shared.end()) joined_from_tile[vertex] = it->second;
-  }
-  for (std::size_t i = 0; i < joined_from_tile.size(); ++i) {
-    if (joined_from_tile[i] != kNoVertex) continue;
-    joined_from_tile[i] = static_cast<std::uint32_t>(joined.vertices.size());
-    joined.vertices.push_back(tile.mesh.vertices[i]);
-    joined.normals.push_back(tile.mesh.normals[i]);
-    joined.colours.push_back(tile.mesh.colours[i]);
-  }
-  for (const auto& [key, vertex] : tile.border) shared.emplace(key, joined_from_tile[vertex]);
-  return joined_from_tile;
-}
-
 }  // namespace
 
 TileBlock::TileBlock(const Eigen::Vector3i& tile)
@@ -169,29 +150,6 @@ TileBlock::TileBlock(const Eigen::Vector3i& tile)
 
 TileMesh mesh_tile(const TileBlock& block, double voxel_size, double max_step) {
   return Mesher(block, voxel_size, max_step).run();
-}
-
-Mesh weld(std::vector<TileMesh> tiles) {
-  std::size_t vertices = 0;
-  std::size_t triangles = 0;
-  for (const TileMesh& tile : tiles) {
-    vertices += tile.mesh.vertices.size();
-    triangles += tile.mesh.triangles.size();
-  }
-  Mesh joined;
-  joined.vertices.reserve(vertices);
-  joined.normals.reserve(vertices);
-  joined.colours.reserve(vertices);
-  joined.triangles.reserve(triangles);
-  std::unordered_map<std::uint64_t, std::uint32_t> shared;
-  for (TileMesh& tile : tiles) {
-    const std::vector<std::uint32_t> joined_from_tile = append_vertices(tile, shared, joined);
-    for (const auto& [a, b, c] : tile.mesh.triangles) {
-      joined.triangles.push_back({joined_from_tile[a], joined_from_tile[b], joined_from_tile[c]});
-    }
-    tile = {};
-  }
-  return joined;
 }
 
 }  // namespace eg::mapping

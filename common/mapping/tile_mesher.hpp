@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "common/mapping/mesh.hpp"
+#include "common/mapping/tile_numbers.hpp"
 
 namespace eg::mapping {
-
-/// Cells per side of a tile.
-inline constexpr int kTileSide = 32;
 
 /// The field at the corners of a tile's cells and one voxel around them, which the gradient needs.
 struct TileBlock {
@@ -41,8 +39,5 @@ struct TileMesh {
 /// Marching cubes over the cells whose eight corners are observed and between whose corners the field has no jump above
 /// `max_step` metres (at a depth edge the front of one surface and the back of another meet, and there is none).
 TileMesh mesh_tile(const TileBlock& block, double voxel_size, double max_step);
-
-/// Joins tiles, given in the order that the mesh shall have, at their common vertices. Frees each as it goes.
-Mesh weld(std::vector<TileMesh> tiles);
 
 }  // namespace eg::mapping

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/base/check.hpp"
-#include "common/mapping/tile_mesher.hpp"
+#include "common/mapping/tile_numbers.hpp"
 
 namespace eg::mapping {
 namespace {
@@ -30,6 +30,14 @@ openvdb::Coord origin_of(const Eigen::Vector3i& tile, int leaf) {
 
 void append(const void* data, std::size_t size, std::string& bytes) {
   bytes.append(static_cast<const char*>(data), size);
+}
+
+/// Frees the node above the leaves around a voxel if there are none any more.
+template <typename Tree>
+void drop_empty_node(const openvdb::Coord& voxel, Tree& tree) {
+  using Node = typename Tree::RootNodeType::ChildNodeType::ChildNodeType;
+  const Node* const node = tree.template probeConstNode<Node>(voxel);
+  if (node != nullptr && node->isChildMaskOff()) tree.addTile(Node::LEVEL + 1, voxel, tree.background(), false);
 }
 
 /// A leaf of a packed tile, not yet in the trees.
@@ -113,7 +121,7 @@ std::string pack_tile(const TsdfGrids& grids, const Eigen::Vector3i& tile) {
   std::string raw;
   for (int number = 0; number < kLeaves; ++number) {
     const openvdb::Coord origin = origin_of(tile, number);
-    const IntLeaf* const weight = grids.weight->probeConstLeaf(origin);
+    const IntLeaf* const weight = grids.weight.probeConstLeaf(origin);
     if (weight == nullptr) continue;
     const openvdb::Vec4i* const colour = grids.colour_sums(origin);
     raw.push_back(static_cast<char>(number));
@@ -147,13 +155,17 @@ base::Status unpack_tile(std::string_view bytes, const Eigen::Vector3i& tile, Ts
 
 bool holds_leaves(const TsdfGrids& grids, const Eigen::Vector3i& tile) {
   for (int number = 0; number < kLeaves; ++number) {
-    if (grids.weight->probeConstLeaf(origin_of(tile, number)) != nullptr) return true;
+    if (grids.weight.probeConstLeaf(origin_of(tile, number)) != nullptr) return true;
   }
   return false;
 }
 
 void erase_tile(const Eigen::Vector3i& tile, TsdfGrids& grids) {
   for (int number = 0; number < kLeaves; ++number) grids.erase(origin_of(tile, number));
+  const openvdb::Coord origin = origin_of(tile, 0);
+  drop_empty_node(origin, grids.weight);
+  drop_empty_node(origin, grids.distance);
+  drop_empty_node(origin, grids.colour);
 }
 
 }  // namespace eg::mapping

@@ -68,13 +68,13 @@ struct LooseLeaf {
 /// Weight and distance have the same leaves; colour has those near a surface, where alone it is wanted. The active
 /// states of the voxels are not kept: a voxel is observed if it has weight.
 struct TsdfGrids {
-  IntTree::Ptr weight = std::make_shared<IntTree>(0);  ///< shared with the grid that write_grids() writes
+  IntTree weight{0};
   IntTree distance{0};
   ColourTree colour{openvdb::Vec4i(0)};
 
   /// Null pointers if there is no such leaf.
   [[nodiscard]] LeafSums probe(const openvdb::Coord& origin) {
-    IntLeaf* const leaf = weight->probeLeaf(origin);
+    IntLeaf* const leaf = weight.probeLeaf(origin);
     if (leaf == nullptr) return {};
     return {leaf->buffer().data(), distance.probeLeaf(origin)->buffer().data(), colour_sums(origin)};
   }
@@ -90,14 +90,22 @@ struct TsdfGrids {
   }
 
   void insert(LooseLeaf leaf) {
-    weight->addLeaf(leaf.weight.release());
+    weight.addLeaf(leaf.weight.release());
     distance.addLeaf(leaf.distance.release());
   }
 
   void erase(const openvdb::Coord& origin) {
-    const std::unique_ptr<IntLeaf> no_weight(weight->stealNode<IntLeaf>(origin, 0, false));
+    const std::unique_ptr<IntLeaf> no_weight(weight.stealNode<IntLeaf>(origin, 0, false));
     const std::unique_ptr<IntLeaf> no_distance(distance.stealNode<IntLeaf>(origin, 0, false));
     const std::unique_ptr<ColourLeaf> no_colour(colour.stealNode<ColourLeaf>(origin, openvdb::Vec4i(0), false));
+  }
+
+  /// That the leaves take; what finds them takes some hundredths of it.
+  [[nodiscard]] std::int64_t leaf_bytes() const {
+    return static_cast<std::int64_t>(weight.leafCount()) * 2 *
+               (sizeof(IntLeaf) + IntLeaf::SIZE * sizeof(std::int32_t)) +
+           static_cast<std::int64_t>(colour.leafCount()) *
+               (sizeof(ColourLeaf) + ColourLeaf::SIZE * sizeof(openvdb::Vec4i));
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <string>
@@ -12,6 +13,7 @@
 #include "common/geometry/pose.hpp"
 #include "common/image/rgbd_frame.hpp"
 #include "common/mapping/mesh.hpp"
+#include "common/mapping/tile_store.hpp"
 #include "common/mapping/tsdf_options.hpp"
 
 namespace eg::mapping {
@@ -48,11 +50,25 @@ class TsdfMap {
   base::Result<IntegrationSummary> deintegrate(const image::RectifiedFrame& frame,
                                                const geometry::Pose& world_from_camera);
 
+  /// From now on the voxels take at most `bytes` of memory between two calls of keep_budget(): the tiles that were
+  /// touched longest ago go to the store, and come back when a frame or the mesh needs them. Nothing that the map gives
+  /// changes by that. What has to do with voxels can then fail, with the store's error, and changes nothing if it does.
+  /// Call it once.
+  void limit_memory(std::int64_t bytes, std::shared_ptr<TileStore> store);
+
+  /// Puts tiles away until the voxels are within the budget. A tile that cannot be put away stays in memory; the error
+  /// says why.
+  base::Status keep_budget();
+
   /// The zero level of the field, welded, in an order that depends on the field alone.
-  [[nodiscard]] Mesh extract_mesh() const;
+  [[nodiscard]] base::Result<Mesh> extract_mesh() const;
+
+  /// The same piece by piece, for meshes larger than memory: `take` gets vertices that no piece before had, and
+  /// triangles between the vertices of all pieces so far, counted through. Its error ends it. Keeps the budget.
+  base::Status extract_mesh(const std::function<base::Status(const Mesh& piece)>& take) const;
 
   /// The surface inside one tile: vertices on the border between tiles are the same to the bit on both sides.
-  [[nodiscard]] Mesh extract_tile(const Eigen::Vector3i& tile) const;
+  [[nodiscard]] base::Result<Mesh> extract_tile(const Eigen::Vector3i& tile) const;
 
   /// Tiles whose surface may have changed since the last call, in lexicographic order. May name tiles that are empty
   /// now.
@@ -62,7 +78,7 @@ class TsdfMap {
   [[nodiscard]] std::vector<Eigen::Vector3i> tiles() const;
 
   /// All that is known of a tile, to the last bit, as packed bytes.
-  [[nodiscard]] std::string pack_tile(const Eigen::Vector3i& tile) const;
+  [[nodiscard]] base::Result<std::string> pack_tile(const Eigen::Vector3i& tile) const;
 
   /// Puts a tile in from what pack_tile() of a map with the same options gave. It must be empty so far. Refuses other
   /// bytes; the map is then untouched.
@@ -71,11 +87,12 @@ class TsdfMap {
   /// Edge length of a tile, metres.
   [[nodiscard]] double tile_size() const;
 
-  /// Allocated blocks of 8 x 8 x 8 voxels, and the bytes they take.
+  /// Blocks of 8 x 8 x 8 voxels in memory, and the bytes they take.
   [[nodiscard]] std::int64_t leaf_count() const;
   [[nodiscard]] std::int64_t memory_bytes() const;
 
   /// Writes OpenVDB's file format with the grids "tsdf" (metres), "weight" and "colour" (red, green, blue in [0, 1]).
+  /// Needs hardly any memory of its own and keeps the budget.
   [[nodiscard]] base::Status write_vdb(std::ostream& out) const;
 
   /// Reads what write_vdb() wrote, up to rounding of the means. Fails when the voxel size is not the one in `options`,

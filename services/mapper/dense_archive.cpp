@@ -4,7 +4,6 @@
 #include <cstring>
 #include <string>
 
-#include "common/io/text_file.hpp"
 #include "common/service/map_archive.hpp"
 
 namespace eg::services {
@@ -83,7 +82,8 @@ class Reader {
     for (const std::int32_t axis : tile) {
       if (axis < -kFarthest || axis > kFarthest) return base::fail("has a tile out of range");
     }
-    return map_.field().unpack_tile({tile[0], tile[1], tile[2]}, bytes);
+    auto unpacked = map_.field().unpack_tile({tile[0], tile[1], tile[2]}, bytes);
+    return unpacked ? map_.field().keep_budget() : unpacked;
   }
 
   base::Status add_images(std::string_view bytes) {
@@ -117,13 +117,15 @@ class Reader {
 }  // namespace
 
 base::Status save_dense_archive(const std::filesystem::path& path, const KeyframeMap& map) {
-  return io::write_journal(path, schema(), [&](const auto& add_record) {
+  return io::write_journal(path, schema(), [&](const auto& add_record) -> base::Status {
     const auto add = [&](RecordKind kind, std::string_view bytes) {
       add_record({static_cast<std::uint8_t>(kind), bytes});
     };
     add(RecordKind::options, describe(map.field().options()));
     for (const Eigen::Vector3i& tile : map.field().tiles()) {
-      add(RecordKind::tile, with_head(TileNumber{tile.x(), tile.y(), tile.z()}, map.field().pack_tile(tile)));
+      const auto packed = map.field().pack_tile(tile);
+      if (!packed) return tl::make_unexpected(packed.error());
+      add(RecordKind::tile, with_head(TileNumber{tile.x(), tile.y(), tile.z()}, *packed));
     }
     tracking::PoseCorrection poses;
     for (const auto& [id, keyframe] : map.keyframes()) {
@@ -131,22 +133,15 @@ base::Status save_dense_archive(const std::filesystem::path& path, const Keyfram
       if (keyframe.images) add(RecordKind::images, with_head(id.value, text_of(messages::encode(*keyframe.images))));
     }
     add(RecordKind::poses, text_of(messages::encode(poses)));
+    return {};
   });
 }
 
 base::Status load_dense_archive(const std::filesystem::path& path, KeyframeMap& map) {
-  const auto about = [&](const std::string& what) { return base::fail(path.string() + ": " + what); };
-  const auto bytes = io::read_file(path);
-  if (!bytes) return tl::make_unexpected(bytes.error());
-  const auto contents = io::parse_journal(*bytes, schema());
-  if (!contents) return about(contents.error().message);
-  if (!contents->damage.empty()) return about(contents->damage);
   Reader reader(map);
-  for (std::size_t i = 0; i < contents->records.size(); ++i) {
-    const base::Status added = reader.add(contents->records[i]);
-    if (!added) return about("record " + std::to_string(i) + ": " + added.error().message);
-  }
-  return reader.is_complete() ? base::Status() : about("is not complete");
+  auto read = io::read_journal(path, schema(), [&](const io::JournalRecord& record) { return reader.add(record); });
+  if (read && !reader.is_complete()) return base::fail(path.string() + ": is not complete");
+  return read;
 }
 
 }  // namespace eg::services

@@ -1,6 +1,7 @@
 #include "services/mapper/keyframe_map.hpp"
 
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include "common/base/check.hpp"
@@ -82,29 +83,43 @@ void KeyframeMap::note_if_far(egraph::KeyframeId id) {
   }
 }
 
-bool KeyframeMap::move_next() {
+base::Result<bool> KeyframeMap::move_next() {
   if (far_.empty()) return false;
-  move(*far_.begin());
-  return true;
+  const egraph::KeyframeId id = far_.extract(far_.begin()).value();
+  return move(id).map([] { return true; });
 }
 
-void KeyframeMap::settle() {
+base::Status KeyframeMap::settle() {
+  std::vector<egraph::KeyframeId> moved;
   for (const auto& [id, latest] : latest_poses_) {
     const auto keyframe = keyframes_.find(id);
     if (keyframe == keyframes_.end() || !keyframe->second.images) continue;
-    if (!is_same(keyframe->second.world_from_camera, latest.world_from_camera)) move(id);
+    if (!is_same(keyframe->second.world_from_camera, latest.world_from_camera)) moved.push_back(id);
   }
+  for (const egraph::KeyframeId id : moved) {
+    if (auto status = move(id); !status) return status;
+    if (auto status = field_.keep_budget(); !status) return status;
+  }
+  return {};
 }
 
-void KeyframeMap::move(egraph::KeyframeId id) {
+base::Status KeyframeMap::move(egraph::KeyframeId id) {
   Keyframe& keyframe = keyframes_.at(id);
   const geometry::Pose& target = latest_poses_.at(id).world_from_camera;
   const auto frame = unpack(*keyframe.images);
   EG_CHECK(frame, "images that were restored once can be restored again");
-  EG_CHECK(field_.deintegrate(*frame, keyframe.world_from_camera), "a keyframe that was integrated can be taken back");
-  EG_CHECK(field_.integrate(*frame, target), "a keyframe can be integrated at a finite pose");
-  keyframe.world_from_camera = target;
+  const std::string name = "keyframe " + std::to_string(id.value);
   far_.erase(id);
+  if (const auto taken = field_.deintegrate(*frame, keyframe.world_from_camera); !taken) {
+    return base::fail(name + " stays where it is: " + taken.error().message);
+  }
+  if (const auto put = field_.integrate(*frame, target); !put) {
+    image_bytes_ -= bytes_of(*keyframe.images);
+    keyframes_.erase(id);
+    return base::fail(name + " is no longer in the map: " + put.error().message);
+  }
+  keyframe.world_from_camera = target;
+  return {};
 }
 
 }  // namespace eg::services

@@ -26,7 +26,7 @@ class KeyframeMap {
   /// @param image_budget bytes of compressed images kept; beyond it the oldest keyframes stay where they are
   KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget);
 
-  /// Fuses a keyframe. One that is there already changes nothing.
+  /// Fuses a keyframe. One that is there already changes nothing, nor does a failure.
   base::Status integrate(egraph::KeyframeId id, const messages::CompressedFrame& frame,
                          const geometry::Pose& world_from_camera);
 
@@ -40,11 +40,12 @@ class KeyframeMap {
   void correct(const tracking::PoseCorrection& correction);
 
   /// Moves one of the keyframes that are more than a voxel or half a degree from their latest pose. False: there is
-  /// none.
-  bool move_next();
+  /// none. One that cannot be moved, because a part of the map cannot be brought back from disk, stays or, if it was
+  /// taken out already, is no longer in the map; the error says which of the two and why.
+  base::Result<bool> move_next();
 
   /// Moves every keyframe to exactly its latest pose: the field then no longer depends on when corrections came.
-  void settle();
+  base::Status settle();
 
   [[nodiscard]] mapping::TsdfMap& field() { return field_; }
   [[nodiscard]] const mapping::TsdfMap& field() const { return field_; }
@@ -60,7 +61,7 @@ class KeyframeMap {
   [[nodiscard]] base::Result<image::RectifiedFrame> unpack(const messages::CompressedFrame& images);
   void drop_oldest_images();
   void note_if_far(egraph::KeyframeId id);
-  void move(egraph::KeyframeId id);
+  base::Status move(egraph::KeyframeId id);
 
   mapping::TsdfMap field_;
   std::size_t image_budget_;

@@ -27,10 +27,7 @@ base::Result<std::unique_ptr<service::Service>> make(service::ServiceContext& co
   if (const auto status = parse_tiles(tiles, options.tsdf); !status) return tl::make_unexpected(status.error());
   if (const auto status = mapping::validate(options.tsdf); !status) return tl::make_unexpected(status.error());
   auto mapper = std::make_unique<services::MapperService>(context, options);
-  if (!archive.empty()) {
-    if (const auto status = mapper->load(archive); !status) return tl::make_unexpected(status.error());
-  }
-  if (const auto status = mapper->open_journal(); !status) return tl::make_unexpected(status.error());
+  if (const auto status = mapper->open(archive); !status) return tl::make_unexpected(status.error());
   return mapper;
 }
 

@@ -11,6 +11,8 @@ void describe_options(io::ConfigSchema& section, MapperOptions& options) {
              "the field reaches as far from a surface, at least")
       .field("truncation_sigmas", tsdf.truncation_sigmas, {0.0, 10.0}, "the same in standard deviations of the reading")
       .field("max_gradient", tsdf.max_gradient, {1.0, 1000.0}, "a steeper step from voxel to voxel is a depth edge")
+      .field("memory_mb", options.memory_mb, {0, 1'000'000},
+             "MB that the voxels may take; the rest waits in the output folder; 0: no limit")
       .field("image_budget", options.image_budget, {0, 100'000}, "MB of keyframe images kept for corrections")
       .field("mesh_period", options.mesh_period, {0.0, 3600.0}, "seconds between mesh updates on the bus; 0: none");
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/io/config.hpp"
-#include "services/mapper/mapper_service.hpp"
+#include "services/mapper/mapper_options.hpp"
 
 namespace eg::services {
 

@@ -2,15 +2,12 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
-#include <ostream>
 #include <system_error>
 
-#include "common/io/atomic_file.hpp"
-#include "common/io/pcd.hpp"
 #include "common/messages/channels.hpp"
-#include "common/service/map_archive.hpp"
-#include "services/mapper/dense_archive.hpp"
+#include "services/mapper/map_files.hpp"
 
 namespace eg::services {
 namespace {
@@ -19,26 +16,17 @@ constexpr std::int64_t kMaxAhead = 16;        // frames in lockstep; the source 
 constexpr std::size_t kMaxRecentFrames = 32;  // one second, in real time: what a pose may take
 constexpr int kLockstepFrameQueue = 16;       // more than the source sends ahead, with repetitions
 constexpr int kRealtimeFrameQueue = 8;        // while a keyframe is being fused
-constexpr double kMicroseconds = 1e6;
-constexpr std::size_t kMegabyte = 1'000'000;
+constexpr std::int64_t kSilence = 2'000'000;  // microseconds without a frame or pose: another session may begin
+constexpr std::size_t kFormerSessions = 64;   // whose late messages are told from those of a new one
 
 bool is_mapped(const tracking::PoseEstimate& pose) {
   return pose.keyframe.valid() && pose.has_pose && pose.state == tracking::TrackingState::tracking;
 }
 
-/// As polygons and as a cloud.
-base::Status write_mesh(const std::filesystem::path& stem, const mapping::Mesh& mesh) {
-  const base::Status ply = io::write_ply(stem.string() + ".ply", io::view_of(mesh));
-  return ply ? io::write_pcd(stem.string() + ".pcd", io::view_of(mesh)) : ply;
-}
-
 }  // namespace
 
 MapperService::MapperService(service::ServiceContext& context, const MapperOptions& options)
-    : context_(context),
-      map_(options.tsdf, static_cast<std::size_t>(options.image_budget) * kMegabyte),
-      mesh_stream_(static_cast<std::int64_t>(options.mesh_period * kMicroseconds)),
-      resume_(options.resume) {
+    : context_(context), options_(options), session_(std::make_unique<MappedSession>(options)) {
   context_.subscribe<messages::CompressedFrame>(messages::channels::kRgbd,
                                                 context_.options().lockstep ? kLockstepFrameQueue : kRealtimeFrameQueue,
                                                 [this](const messages::CompressedFrame& frame) { on_frame(frame); });
@@ -53,198 +41,204 @@ MapperService::MapperService(service::ServiceContext& context, const MapperOptio
       [this](const tracking::PoseCorrection& correction) { on_correction(correction); });
   context_.subscribe<messages::MeshRequest>(messages::channels::kMeshRequest, 30,
                                             [this](const messages::MeshRequest& request) {
-                                              if (session_ && request.session == *session_) mesh_stream_.repeat_all();
+                                              if (request.session == session_->id) session_->mesh_stream.repeat_all();
                                             });
+  context_.subscribe<messages::EndOfStream>(messages::channels::kEndOfStream, 2,
+                                            [this](const messages::EndOfStream& end) { on_end_of_stream(end); });
 }
 
-std::string MapperService::with_share(const std::string& name) const {
-  const mapping::TsdfOptions& options = map_.field().options();
-  return options.shares == 1 ? name : name + "." + std::to_string(options.share);
-}
-
-base::Status MapperService::load(const std::filesystem::path& archive) {
-  const std::string name = with_share(service::kDenseMapName) + ".map";
-  const base::Status loaded = load_dense_archive(service::file_in_archive(archive, name), map_);
-  if (loaded && !map_.keyframes().empty()) queue_.begin_behind(map_.keyframes().rbegin()->first);
-  return loaded;
-}
-
-base::Status MapperService::open_journal() {
-  if (context_.options().out.empty()) return {};
-  const std::filesystem::path path = context_.options().out / (with_share("mapper") + ".journal");
-  auto journal = resume_ ? service::MessageJournal::resume(
-                               path, [this](const transport::LogEvent& event) { return replay(event); })
-                         : service::MessageJournal::create(path);
-  if (!journal) return tl::make_unexpected(journal.error());
-  journal_ = std::move(*journal);
-  return {};
-}
-
-base::Status MapperService::replay(const transport::LogEvent& event) {
-  const auto apply = [&]<typename T>(auto handle) -> base::Status {
-    const auto value = messages::decode<T>(event.bytes);
-    if (!value) return tl::make_unexpected(value.error());
-    handle(*value);
-    return {};
-  };
-  if (event.channel == messages::channels::kRgbd) {
-    return apply.operator()<messages::CompressedFrame>([this](const auto& frame) { replayed_ = frame; });
+base::Status MapperService::open(const std::filesystem::path& archive) {
+  if (auto limited = limit_memory(context_.options().out, options_, session_->map); !limited) return limited;
+  if (!archive.empty()) {
+    if (auto loaded = load_map(archive, session_->map); !loaded) return loaded;
+    const auto& keyframes = session_->map.keyframes();
+    if (!keyframes.empty()) session_->queue.begin_behind(keyframes.rbegin()->first);
   }
-  if (event.channel == messages::channels::kPose) {
-    return apply.operator()<tracking::PoseEstimate>([this](const auto& pose) {
-      session_ = pose.header.session;
-      if (replayed_) integrate(*replayed_, pose);
-    });
-  }
-  if (event.channel == messages::channels::kPoseCorrection) {
-    return apply.operator()<tracking::PoseCorrection>([this](const auto& correction) {
-      corrections_.take(correction);
-      map_.correct(correction);
-    });
-  }
-  if (event.channel == messages::channels::kAcknowledge) {
-    return apply.operator()<messages::Acknowledge>([this](const auto& acknowledge) {
-      session_ = acknowledge.session;
-      next_sequence_ = acknowledge.sequence + 1;
-    });
-  }
-  return base::fail("a journal has no channel " + event.channel);
+  return begin_journal(options_.resume);
 }
 
 template <typename T>
 void MapperService::note(const char* channel, const T& value) {
   if (!journal_) return;
-  const base::Status written = journal_->add(channel, value);
-  if (written) return;
-  spdlog::warn("a mapper that is killed from now on cannot resume: {}", written.error().message);
+  if (const base::Status written = journal_->add(channel, value); !written) stop_journal(written.error());
+}
+
+void MapperService::stop_journal(const base::Error& error) {
+  spdlog::warn("a mapper that is killed from now on cannot resume: {}", error.message);
   journal_.reset();
 }
 
-bool MapperService::is_my_session(std::int64_t session, const char* channel) {
-  if (!session_) session_ = session;
-  if (session == *session_) return true;
-  context_.status().count_rejected(std::string(channel) + ": field 'session' differs from the session being mapped");
-  return false;
+bool MapperService::enter_session(std::int64_t id, const char* channel) {
+  if (session_->id != id) {
+    const bool is_silent = now_utime_ - session_->heard_utime >= kSilence;
+    const bool goes_on = session_->id && !session_->is_complete() && !is_silent;
+    if (goes_on || std::find(former_sessions_.begin(), former_sessions_.end(), id) != former_sessions_.end()) {
+      context_.status().count_rejected(std::string(channel) +
+                                       ": field 'session' differs from the session being mapped");
+      return false;
+    }
+    if (session_->id) leave_session();
+    session_->id = id;  // the first one may go on in a map that was loaded
+  }
+  session_->heard_utime = now_utime_;
+  return true;
+}
+
+void MapperService::leave_session() {
+  former_sessions_.push_back(*session_->id);
+  if (former_sessions_.size() > kFormerSessions) former_sessions_.pop_front();
+  const std::string name = "session-" + std::to_string(*session_->id);
+  spdlog::info("{} is over with {} keyframes in the map", name, session_->map.keyframe_count());
+  const std::filesystem::path& out = context_.options().out;
+  if (!out.empty()) {
+    std::error_code failure;
+    std::filesystem::create_directories(out / name, failure);
+    const auto saved = save_map(out / name, session_->map);
+    if (!saved) spdlog::error("{} could not be saved: {}", name, saved.error().message);
+  }
+  session_.reset();  // and with it the folder that its map had
+  session_ = std::make_unique<MappedSession>(options_);
+  if (const auto limited = limit_memory(out, options_, session_->map); !limited) {
+    spdlog::warn("the map is kept in memory as a whole: {}", limited.error().message);
+  }
+  if (!journal_) return;
+  if (const auto begun = begin_journal(false); !begun) stop_journal(begun.error());
+}
+
+void MapperService::on_end_of_stream(const messages::EndOfStream& end) {
+  if (end.session == session_->id) session_->frame_count = end.frame_count;
 }
 
 void MapperService::on_frame(const messages::CompressedFrame& frame) {
-  if (!is_my_session(frame.header.session, messages::channels::kRgbd)) return;
+  if (!enter_session(frame.header.session, messages::channels::kRgbd)) return;
   const std::int64_t sequence = frame.header.sequence;
   if (!context_.options().lockstep) {
-    if (const tracking::PoseEstimate* pose = queue_.waiting_for(sequence)) return finish_keyframe(frame, *pose);
-    frames_.insert_or_assign(sequence, frame);
-    if (frames_.size() > kMaxRecentFrames) frames_.erase(frames_.begin());
+    if (const tracking::PoseEstimate* pose = session_->queue.waiting_for(sequence))
+      return finish_keyframe(frame, *pose);
+    session_->frames.insert_or_assign(sequence, frame);
+    if (session_->frames.size() > kMaxRecentFrames) session_->frames.erase(session_->frames.begin());
     return;
   }
-  if (sequence < next_sequence_) return acknowledge_finished();
-  if (sequence >= next_sequence_ + kMaxAhead) return;  // the source sends it again
-  frames_.emplace(sequence, frame);
+  if (sequence < session_->next_sequence) return acknowledge_finished();
+  if (sequence >= session_->next_sequence + kMaxAhead) return;  // the source sends it again
+  session_->frames.emplace(sequence, frame);
   work_off_in_order();
 }
 
 void MapperService::on_pose(const tracking::PoseEstimate& pose) {
-  if (!is_my_session(pose.header.session, messages::channels::kPose)) return;
-  corrections_.announce(pose.corrections);
+  if (!enter_session(pose.header.session, messages::channels::kPose)) return;
+  session_->corrections.announce(pose.corrections);
   const std::int64_t sequence = pose.header.sequence;
   if (!context_.options().lockstep) {
-    if (!pose.keyframe.valid() || !queue_.add_pose(pose)) return;
-    if (!is_mapped(pose) || map_.contains(pose.keyframe)) return queue_.finish(pose.keyframe);
-    const auto frame = frames_.find(sequence);
-    if (frame != frames_.end()) finish_keyframe(frame->second, pose);
+    if (!pose.keyframe.valid() || !session_->queue.add_pose(pose)) return;
+    if (!is_mapped(pose) || session_->map.contains(pose.keyframe)) return session_->queue.finish(pose.keyframe);
+    const auto frame = session_->frames.find(sequence);
+    if (frame != session_->frames.end()) finish_keyframe(frame->second, pose);
     return;
   }
-  if (sequence < next_sequence_ || sequence >= next_sequence_ + kMaxAhead) return;
-  poses_.emplace(sequence, pose);
+  if (sequence < session_->next_sequence || sequence >= session_->next_sequence + kMaxAhead) return;
+  session_->poses.emplace(sequence, pose);
   work_off_in_order();
 }
 
 void MapperService::on_keyframe(const egraph::Keyframe& keyframe) {
-  if (is_my_session(keyframe.header.session, messages::channels::kKeyframe)) queue_.announce(keyframe.id);
+  if (enter_session(keyframe.header.session, messages::channels::kKeyframe)) session_->queue.announce(keyframe.id);
 }
 
 void MapperService::on_correction(const tracking::PoseCorrection& correction) {
-  if (!is_my_session(correction.session, messages::channels::kPoseCorrection) || !corrections_.take(correction)) return;
-  map_.correct(correction);
+  if (!enter_session(correction.session, messages::channels::kPoseCorrection) ||
+      !session_->corrections.take(correction))
+    return;
+  session_->map.correct(correction);
   note(messages::channels::kPoseCorrection, correction);
   work_off_in_order();
 }
 
 void MapperService::work_off_in_order() {
-  for (;; ++next_sequence_) {
-    const auto frame = frames_.find(next_sequence_);
-    const auto pose = poses_.find(next_sequence_);
-    if (frame == frames_.end() || pose == poses_.end() || !corrections_.has(pose->second.corrections)) break;
+  for (;; ++session_->next_sequence) {
+    const auto frame = session_->frames.find(session_->next_sequence);
+    const auto pose = session_->poses.find(session_->next_sequence);
+    if (frame == session_->frames.end() || pose == session_->poses.end() ||
+        !session_->corrections.has(pose->second.corrections))
+      break;
     integrate(frame->second, pose->second);
-    frames_.erase(frame);
-    poses_.erase(pose);
+    session_->frames.erase(frame);
+    session_->poses.erase(pose);
   }
-  if (next_sequence_ > acknowledged_) acknowledge_finished();
+  if (session_->next_sequence > session_->acknowledged) acknowledge_finished();
 }
 
 void MapperService::integrate(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose) {
-  if (!is_mapped(pose) || map_.contains(pose.keyframe)) return;
+  if (!is_mapped(pose) || session_->map.contains(pose.keyframe)) return;
   const auto start = std::chrono::steady_clock::now();
-  if (const base::Status done = map_.integrate(pose.keyframe, frame, pose.world_from_camera); !done) {
+  if (const base::Status done = session_->map.integrate(pose.keyframe, frame, pose.world_from_camera); !done) {
     return context_.status().count_rejected(std::string(messages::channels::kRgbd) + ": " + done.error().message);
   }
   note(messages::channels::kRgbd, frame);
   note(messages::channels::kPose, pose);
+  keep_budget();
   context_.status().count_frame(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
 }
 
 void MapperService::finish_keyframe(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose) {
   integrate(frame, pose);
-  queue_.finish(pose.keyframe);
+  session_->queue.finish(pose.keyframe);
 }
 
 void MapperService::request_missing(std::int64_t now_utime) {
-  const std::int64_t given_up = queue_.given_up();
-  const KeyframeQueue::Missing missing = queue_.to_request(now_utime);
+  const std::int64_t given_up = session_->queue.given_up();
+  const KeyframeQueue::Missing missing = session_->queue.to_request(now_utime);
   request(messages::channels::kPose, missing.poses);
   request(messages::channels::kRgbd, missing.frames);
-  if (const auto have = corrections_.to_request(now_utime)) request(messages::channels::kPoseCorrection, {*have});
-  context_.status().count_dropped(queue_.given_up() - given_up);
+  if (const auto have = session_->corrections.to_request(now_utime))
+    request(messages::channels::kPoseCorrection, {*have});
+  context_.status().count_dropped(session_->queue.given_up() - given_up);
 }
 
 void MapperService::request(const char* channel, const std::vector<std::int64_t>& numbers) {
   if (!numbers.empty())
-    context_.publish(messages::channels::kResend, messages::ResendRequest{*session_, channel, numbers});
+    context_.publish(messages::channels::kResend, messages::ResendRequest{*session_->id, channel, numbers});
 }
 
 void MapperService::acknowledge_finished() {
-  acknowledged_ = next_sequence_;
-  const messages::Acknowledge done{*session_, next_sequence_ - 1, with_share(context_.options().name)};
+  session_->acknowledged = session_->next_sequence;
+  const messages::Acknowledge done{*session_->id, session_->next_sequence - 1,
+                                   with_share(context_.options().name, options_.tsdf)};
   note(messages::channels::kAcknowledge, done);
   context_.publish(messages::channels::kAcknowledge, done);
 }
 
-void MapperService::idle(std::int64_t now_utime) {
-  map_.move_next();
-  if (!session_) return;
-  request_missing(now_utime);
-  for (const mapping::MeshChunk& chunk : mesh_stream_.next(map_.field(), *session_, now_utime)) {
-    context_.publish(messages::channels::kMeshChunk, chunk);
+void MapperService::keep_budget() {
+  const base::Status kept = session_->map.field().keep_budget();
+  const std::string failure = kept ? "" : kept.error().message;
+  if (!kept && failure != budget_failure_) {
+    spdlog::error("the map takes more memory than it should, for it cannot be put away: {}", failure);
   }
+  budget_failure_ = failure;
+}
+
+void MapperService::idle(std::int64_t now_utime) {
+  now_utime_ = now_utime;
+  if (const auto moved = session_->map.move_next(); !moved) {
+    context_.status().count_rejected(std::string(messages::channels::kPoseCorrection) + ": " + moved.error().message);
+  }
+  if (session_->id) {
+    request_missing(now_utime);
+    send_mesh(now_utime);
+  }
+  keep_budget();
+}
+
+void MapperService::send_mesh(std::int64_t now_utime) {
+  const auto chunks = session_->mesh_stream.next(session_->map.field(), *session_->id, now_utime);
+  if (!chunks) return spdlog::error("a part of the mesh cannot be sent: {}", chunks.error().message);
+  for (const mapping::MeshChunk& chunk : *chunks) context_.publish(messages::channels::kMeshChunk, chunk);
 }
 
 base::Status MapperService::save() {
   const std::filesystem::path& out = context_.options().out;
-  if (out.empty()) return {};
-  map_.settle();
-  const std::string name = with_share("mesh");
-  if (const auto mesh = write_mesh(out / name, map_.field().extract_mesh()); !mesh) return mesh;
-  const base::Status vdb = io::write_file_atomically(
-      out / (name + ".vdb"), [this](std::ostream& file) { return map_.field().write_vdb(file); });
-  return vdb ? save_archive() : vdb;
-}
-
-base::Status MapperService::save_archive() const {
-  const std::filesystem::path folder = service::archive_folder(context_.options().out);
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) return base::fail(folder.string() + ": cannot be made: " + failure.message());
-  return save_dense_archive(folder / (with_share(service::kDenseMapName) + ".map"), map_);
+  return out.empty() ? base::Status() : save_map(out, session_->map);
 }
 
 }  // namespace eg::services

@@ -1,27 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/service/correction_follower.hpp"
 #include "common/service/message_journal.hpp"
 #include "common/service/service.hpp"
-#include "services/mapper/keyframe_map.hpp"
-#include "services/mapper/keyframe_queue.hpp"
-#include "services/mapper/mesh_stream.hpp"
+#include "services/mapper/mapped_session.hpp"
 
 namespace eg::services {
-
-struct MapperOptions {
-  mapping::TsdfOptions tsdf;
-  int image_budget = 256;    ///< compressed keyframe images kept for corrections, MB
-  double mesh_period = 1.0;  ///< seconds between two updates of the mesh on the bus; 0: none
-  bool resume = false;       ///< go on from the journal in the output folder
-};
 
 /// RGBD, POSE, KEYFRAME, POSE_CORRECTION and MESH_REQUEST in; MESH_CHUNK out; mesh.ply and mesh.vdb at the end.
 ///
@@ -32,19 +23,20 @@ struct MapperOptions {
 /// nobody has any more is counted as dropped in the status.
 ///
 /// With an output folder, everything that goes into the map is also written into the journal there, and a mapper that
-/// was killed goes on from it (`resume`). Mappers that share the space (TsdfOptions::shares) acknowledge as "mapper.0",
-/// "mapper.1" and so on, and write mesh.0.ply, mesh.1.ply and so on.
+/// was killed goes on from it (`resume`); and what the map has no memory for (`memory_mb`) waits there. Mappers that
+/// share the space (TsdfOptions::shares) acknowledge as "mapper.0", "mapper.1" and so on, and write mesh.0.ply,
+/// mesh.1.ply and so on.
+///
+/// One session at a time. What comes of another one begins a new map when the one before has ended, or nothing was
+/// heard of it for some seconds; its results are then saved to session-<id>/ within the output folder.
 class MapperService : public service::Service {
  public:
   /// `options` must be valid.
   MapperService(service::ServiceContext& context, const MapperOptions& options);
 
-  /// Once, before the first message. Fails if the journal cannot be written or, to be resumed, is damaged.
-  base::Status open_journal();
-
-  /// Once, before the journal: goes on in the map archive of an earlier session. Refuses a damaged one and one made
-  /// with other options.
-  base::Status load(const std::filesystem::path& archive);
+  /// Once, before the first message. `archive`: of an earlier session, to go on in; empty: none. Fails if the archive
+  /// is damaged or was made with other options, or if the journal cannot be written or, to be resumed, is damaged.
+  base::Status open(const std::filesystem::path& archive);
 
   void idle(std::int64_t now_utime) override;
 
@@ -56,34 +48,35 @@ class MapperService : public service::Service {
   void on_pose(const tracking::PoseEstimate& pose);
   void on_keyframe(const egraph::Keyframe& keyframe);
   void on_correction(const tracking::PoseCorrection& correction);
+  void on_end_of_stream(const messages::EndOfStream& end);
 
-  [[nodiscard]] bool is_my_session(std::int64_t session, const char* channel);
+  /// Makes it the session being mapped, unless another one goes on. Whether it is; if not, that is counted.
+  bool enter_session(std::int64_t id, const char* channel);
+  void leave_session();
+  base::Status begin_journal(bool resume);
+  void stop_journal(const base::Error& error);
+
   void work_off_in_order();
   void integrate(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose);
   void finish_keyframe(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose);
   void request_missing(std::int64_t now_utime);
   void request(const char* channel, const std::vector<std::int64_t>& numbers);
+  void send_mesh(std::int64_t now_utime);
+  /// Keeps the map within its memory; what goes wrong is reported once.
+  void keep_budget();
   base::Status replay(const transport::LogEvent& event);
   template <typename T>
   void note(const char* channel, const T& value);
-  /// "mapper" and "mesh", or with the number of this mapper's share behind a dot.
-  [[nodiscard]] std::string with_share(const std::string& name) const;
-  [[nodiscard]] base::Status save_archive() const;
   void acknowledge_finished();
 
   service::ServiceContext& context_;
-  KeyframeMap map_;
-  MeshStream mesh_stream_;
-  KeyframeQueue queue_;                                       ///< real time
-  service::CorrectionFollower corrections_;                   ///< which of them have come
-  std::optional<std::int64_t> session_;                       ///< the first one heard of
-  std::int64_t next_sequence_ = 0;                            ///< lockstep: the first frame that is not finished
-  std::int64_t acknowledged_ = 0;                             ///< lockstep: next_sequence_ when it was last announced
-  std::map<std::int64_t, messages::CompressedFrame> frames_;  ///< by sequence
-  std::map<std::int64_t, tracking::PoseEstimate> poses_;      ///< lockstep: by sequence
-  bool resume_;
+  MapperOptions options_;
+  std::unique_ptr<MappedSession> session_;
+  std::deque<std::int64_t> former_sessions_;
   std::optional<service::MessageJournal> journal_;
   std::optional<messages::CompressedFrame> replayed_;  ///< the journal's last frame
+  std::int64_t now_utime_ = 0;                         ///< as idle() was told last
+  std::string budget_failure_;                         ///< the last one, as long as it lasts
 };
 
 }  // namespace eg::services

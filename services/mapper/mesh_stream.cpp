@@ -33,11 +33,11 @@ std::vector<mapping::MeshChunk> make_chunks(const mapping::Mesh& mesh, const Eig
 
 }  // namespace
 
-std::vector<mapping::MeshChunk> MeshStream::next(mapping::TsdfMap& map, std::int64_t session, std::int64_t now_utime) {
-  if (period_ == 0) return {};
+base::Result<MeshStream::Chunks> MeshStream::next(mapping::TsdfMap& map, std::int64_t session, std::int64_t now_utime) {
+  if (period_ == 0) return Chunks();
   if (!changed_.empty()) return send_changed(map, session);
   if (!asked_for_.empty()) return send_asked_for(map, session);
-  if (now_utime < next_collection_) return {};
+  if (now_utime < next_collection_) return Chunks();
   next_collection_ = now_utime + period_;
   collect_changes(map);
   return changed_.empty() ? send_again(map, session) : send_changed(map, session);
@@ -51,44 +51,48 @@ void MeshStream::collect_changes(mapping::TsdfMap& map) {
   for (const Eigen::Vector3i& tile : map.take_changed_tiles()) changed_.insert({tile.x(), tile.y(), tile.z()});
 }
 
-std::vector<mapping::MeshChunk> MeshStream::send_changed(const mapping::TsdfMap& map, std::int64_t session) {
-  std::vector<mapping::MeshChunk> chunks;
+base::Result<MeshStream::Chunks> MeshStream::send_changed(const mapping::TsdfMap& map, std::int64_t session) {
+  Chunks chunks;
   for (int sent = 0; sent < kTilesPerRound && !changed_.empty();) {
     const Tile tile = changed_.extract(changed_.begin()).value();
     const Eigen::Vector3i number(tile[0], tile[1], tile[2]);
-    const mapping::Mesh mesh = map.extract_tile(number);
+    const auto mesh = map.extract_tile(number);
+    if (!mesh) return tl::make_unexpected(mesh.error());
     const auto known = revisions_.find(tile);
-    if (mesh.triangles.empty() && known == revisions_.end()) continue;  // it never had a surface
+    if (mesh->triangles.empty() && known == revisions_.end()) continue;  // it never had a surface
     const std::int32_t revision = known == revisions_.end() ? 0 : known->second + 1;
     revisions_[tile] = revision;
-    auto parts = make_chunks(mesh, number, map.tile_size(), revision, session);
+    auto parts = make_chunks(*mesh, number, map.tile_size(), revision, session);
     std::move(parts.begin(), parts.end(), std::back_inserter(chunks));
     ++sent;
   }
   return chunks;
 }
 
-std::vector<mapping::MeshChunk> MeshStream::send_asked_for(const mapping::TsdfMap& map, std::int64_t session) {
-  std::vector<mapping::MeshChunk> chunks;
+base::Result<MeshStream::Chunks> MeshStream::send_asked_for(const mapping::TsdfMap& map, std::int64_t session) {
+  Chunks chunks;
   for (int sent = 0; sent < kTilesPerRound && !asked_for_.empty(); ++sent) {
     auto parts = repeat(map, session, asked_for_.extract(asked_for_.begin()).value());
-    std::move(parts.begin(), parts.end(), std::back_inserter(chunks));
+    if (!parts) return parts;
+    std::move(parts->begin(), parts->end(), std::back_inserter(chunks));
   }
   return chunks;
 }
 
-std::vector<mapping::MeshChunk> MeshStream::send_again(const mapping::TsdfMap& map, std::int64_t session) {
-  if (revisions_.empty()) return {};
+base::Result<MeshStream::Chunks> MeshStream::send_again(const mapping::TsdfMap& map, std::int64_t session) {
+  if (revisions_.empty()) return Chunks();
   auto known = revisions_.upper_bound(last_repeated_);
   if (known == revisions_.end()) known = revisions_.begin();
   last_repeated_ = known->first;
   return repeat(map, session, last_repeated_);
 }
 
-std::vector<mapping::MeshChunk> MeshStream::repeat(const mapping::TsdfMap& map, std::int64_t session,
-                                                   const Tile& tile) {
+base::Result<MeshStream::Chunks> MeshStream::repeat(const mapping::TsdfMap& map, std::int64_t session,
+                                                    const Tile& tile) {
   const Eigen::Vector3i number(tile[0], tile[1], tile[2]);
-  return make_chunks(map.extract_tile(number), number, map.tile_size(), revisions_.at(tile), session);
+  return map.extract_tile(number).map([&](const mapping::Mesh& mesh) {
+    return make_chunks(mesh, number, map.tile_size(), revisions_.at(tile), session);
+  });
 }
 
 }  // namespace eg::services

@@ -16,24 +16,26 @@ namespace eg::services {
 /// they have, so that a viewer that lost a message or came late gets whole.
 class MeshStream {
  public:
+  using Chunks = std::vector<mapping::MeshChunk>;
+
   /// @param period microseconds between two collections of changed tiles; 0: nothing is ever sent
   explicit MeshStream(std::int64_t period) : period_(period) {}
 
   /// Somebody lacks the mesh: every tile that was sent is sent again, soon.
   void repeat_all();
 
-  /// What to send now. An empty chunk says that a tile has no surface any more.
-  std::vector<mapping::MeshChunk> next(mapping::TsdfMap& map, std::int64_t session, std::int64_t now_utime);
+  /// What to send now. An empty chunk says that a tile has no surface any more. Fails when the map cannot bring back
+  /// what a tile depends on; the next call goes on with the next tile.
+  base::Result<Chunks> next(mapping::TsdfMap& map, std::int64_t session, std::int64_t now_utime);
 
  private:
   using Tile = std::array<int, 3>;
 
   void collect_changes(mapping::TsdfMap& map);
-  [[nodiscard]] std::vector<mapping::MeshChunk> send_changed(const mapping::TsdfMap& map, std::int64_t session);
-  [[nodiscard]] std::vector<mapping::MeshChunk> send_asked_for(const mapping::TsdfMap& map, std::int64_t session);
-  [[nodiscard]] std::vector<mapping::MeshChunk> send_again(const mapping::TsdfMap& map, std::int64_t session);
-  [[nodiscard]] std::vector<mapping::MeshChunk> repeat(const mapping::TsdfMap& map, std::int64_t session,
-                                                       const Tile& tile);
+  [[nodiscard]] base::Result<Chunks> send_changed(const mapping::TsdfMap& map, std::int64_t session);
+  [[nodiscard]] base::Result<Chunks> send_asked_for(const mapping::TsdfMap& map, std::int64_t session);
+  [[nodiscard]] base::Result<Chunks> send_again(const mapping::TsdfMap& map, std::int64_t session);
+  [[nodiscard]] base::Result<Chunks> repeat(const mapping::TsdfMap& map, std::int64_t session, const Tile& tile);
 
   std::int64_t period_;
   std::int64_t next_collection_ = 0;

@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include "common/io/text_file.hpp"
 #include "common/service/map_archive.hpp"
 #include "common/tracking/saved_map.hpp"
 
@@ -52,7 +51,9 @@ class Reader {
     if (const auto taken = archive.graph.reset(*graph_); !taken) return tl::make_unexpected(taken.error());
     for (const tracking::MapKeyframe& keyframe : archive.map.keyframes()) {
       if (archive.graph.find_keyframe(keyframe.id) == nullptr) {
-        return base::fail("the graph has no keyframe " + std::to_string(keyframe.id.value));
+        return base::fail("the graph has no keyframe " + std::to_string(keyframe.id.value) +
+                          ": the run ended before the E-Graph server had answered it; let that run save again with the "
+                          "server running, or take another archive");
       }
     }
     return archive;
@@ -77,7 +78,7 @@ class Reader {
 
 base::Status save_sparse_archive(const std::filesystem::path& path, const tracking::Map& map,
                                  const egraph::Graph& graph) {
-  return io::write_journal(path, schema(), [&](const auto& add_record) {
+  return io::write_journal(path, schema(), [&](const auto& add_record) -> base::Status {
     const auto add = [&](RecordKind kind, const messages::Bytes& bytes) {
       add_record({static_cast<std::uint8_t>(kind), text_of(bytes)});
     };
@@ -87,23 +88,17 @@ base::Status save_sparse_archive(const std::filesystem::path& path, const tracki
     }
     add(RecordKind::graph, messages::encode(graph.snapshot(0)));
     add(RecordKind::landmarks, messages::encode(tracking::positions_of(map)));
+    return {};
   });
 }
 
 base::Result<SparseArchive> load_sparse_archive(const std::filesystem::path& path) {
-  const auto about = [&](const std::string& what) { return base::fail(path.string() + ": " + what); };
-  const auto bytes = io::read_file(path);
-  if (!bytes) return tl::make_unexpected(bytes.error());
-  const auto contents = io::parse_journal(*bytes, schema());
-  if (!contents) return about(contents.error().message);
-  if (!contents->damage.empty()) return about(contents->damage);
   Reader reader;
-  for (std::size_t i = 0; i < contents->records.size(); ++i) {
-    const base::Status added = reader.add(contents->records[i]);
-    if (!added) return about("record " + std::to_string(i) + ": " + added.error().message);
-  }
+  const auto read =
+      io::read_journal(path, schema(), [&](const io::JournalRecord& record) { return reader.add(record); });
+  if (!read) return tl::make_unexpected(read.error());
   auto archive = reader.finish();
-  if (!archive) return about(archive.error().message);
+  if (!archive) return base::fail(path.string() + ": " + archive.error().message);
   return archive;
 }
 

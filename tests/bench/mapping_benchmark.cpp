@@ -63,7 +63,7 @@ void extract_mesh_of_ten_views(benchmark::State& state) {
     if (!map.integrate(view.frame, view.world_from_camera)) state.SkipWithError("a view was refused");
   }
   std::size_t triangles = 0;
-  for (auto _ : state) triangles = map.extract_mesh().triangles.size();
+  for (auto _ : state) triangles = map.extract_mesh().value().triangles.size();
   state.counters["triangles"] = static_cast<double>(triangles);
   state.counters["MB"] = static_cast<double>(map.memory_bytes()) / 1e6;
 }
@@ -80,7 +80,7 @@ void extract_changed_tiles(benchmark::State& state) {
   if (!map.integrate(views[0].frame, views[0].world_from_camera)) state.SkipWithError("the view was refused");
   const std::vector<Eigen::Vector3i> tiles = map.take_changed_tiles();
   for (auto _ : state) {
-    for (const Eigen::Vector3i& tile : tiles) benchmark::DoNotOptimize(map.extract_tile(tile));
+    for (const Eigen::Vector3i& tile : tiles) benchmark::DoNotOptimize(map.extract_tile(tile).value());
   }
   state.counters["tiles"] = static_cast<double>(tiles.size());
 }

@@ -122,7 +122,7 @@ void append_seen(const synthetic::SyntheticSequence& sequence, int index, const 
 void report(benchmark::State& state, const TsdfMap& map, const synthetic::SyntheticSequence& sequence,
             const std::vector<Eigen::Vector3d>& seen) {
   const double voxel_size = map.options().voxel_size;
-  const Mesh mesh = map.extract_mesh();
+  const Mesh mesh = map.extract_mesh().value();
   const std::vector<double> distances = distances_of(mesh, sequence);
   const auto count = static_cast<double>(distances.size());
   const auto far = std::upper_bound(distances.begin(), distances.end(), std::max(0.03, 2 * voxel_size));

@@ -65,7 +65,8 @@ void update_mesh_of_rooms(benchmark::State& state) {
     state.PauseTiming();
     benchmark::DoNotOptimize(map.integrate(view.frame, view.world_from_camera));
     state.ResumeTiming();
-    for (const Eigen::Vector3i& tile : map.take_changed_tiles()) benchmark::DoNotOptimize(map.extract_tile(tile));
+    for (const Eigen::Vector3i& tile : map.take_changed_tiles())
+      benchmark::DoNotOptimize(map.extract_tile(tile).value());
   }
 }
 BENCHMARK(update_mesh_of_rooms)

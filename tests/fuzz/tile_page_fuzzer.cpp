@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   eg::mapping::TsdfMap map;
   if (!map.unpack_tile(tile, {reinterpret_cast<const char*>(data), size})) return 0;
   eg::mapping::TsdfMap again;
-  if (!map.tiles().empty() && !again.unpack_tile(tile, map.pack_tile(tile))) std::abort();
+  if (!map.tiles().empty() && !again.unpack_tile(tile, map.pack_tile(tile).value())) std::abort();
   (void)map.extract_tile(tile);
   return 0;
 }

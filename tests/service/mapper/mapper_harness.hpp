@@ -52,9 +52,7 @@ class Harness {
       : out_(out.empty() ? folder_.path() : out),
         context_(bus_of_service_, {"mapper", {}, {}, {}, out_, lockstep}),
         service_(context_, options) {
-    const auto loaded = archive.empty() ? base::Status() : service_.load(archive);
-    EXPECT_TRUE(loaded) << loaded.error().message;
-    const auto opened = service_.open_journal();
+    const auto opened = service_.open(archive);
     EXPECT_TRUE(opened) << opened.error().message;
     listen<messages::Acknowledge>(channels::kAcknowledge, acknowledged);
     listen<mapping::MeshChunk>(channels::kMeshChunk, chunks);
@@ -64,6 +62,7 @@ class Harness {
   void send_frame(int index, int sequence = -1) {
     image::RgbdFrame frame = sequence_.frame(index);
     frame.header.sequence = sequence < 0 ? index : sequence;
+    frame.header.session = session_of_frames;
     publish(channels::kRgbd, frame);
   }
 
@@ -82,6 +81,10 @@ class Harness {
     pose.world_from_camera = sequence_.world_from_camera(index);
     pose.keyframe.value = keyframe;
     publish(channels::kPose, pose);
+  }
+
+  void send_end(std::int64_t frame_count) {
+    publish(channels::kEndOfStream, messages::EndOfStream{session_of_frames, frame_count, {}});
   }
 
   void send_correction(std::int64_t version, int keyframe, const geometry::Pose& world_from_camera) {
@@ -110,6 +113,7 @@ class Harness {
   [[nodiscard]] messages::ServiceStatus status() { return context_.status().status(0); }
   [[nodiscard]] std::filesystem::path out() const { return out_; }
 
+  std::int64_t session_of_frames = 7;
   std::vector<messages::Acknowledge> acknowledged;
   std::vector<mapping::MeshChunk> chunks;
 

@@ -84,6 +84,46 @@ TEST(MapperServiceTest, RejectsAnotherSession) {
   EXPECT_NE(mapper.status().last_rejection.find("session"), std::string::npos);
 }
 
+void map_frames(Harness& mapper, std::int64_t session, int count) {
+  mapper.session_of_frames = session;
+  for (int i = 0; i < count; ++i) {
+    mapper.send_frame(i);
+    mapper.send_pose(i, i, tracking::TrackingState::tracking, session);
+  }
+}
+
+TEST(MapperServiceTest, AnotherSessionGetsAMapOfItsOwnWhenTheFirstHasEnded) {
+  Harness alone(true, coarse());
+  map_frames(alone, 7, 2);
+  const std::string mesh = alone.saved_mesh();
+
+  Harness mapper(true, coarse());
+  map_frames(mapper, 8, 3);
+  map_frames(mapper, 7, 2);
+  EXPECT_EQ(mapper.acknowledged.back().session, 8) << "it still goes on";
+  mapper.session_of_frames = 8;
+  mapper.send_end(3);
+  map_frames(mapper, 7, 2);
+  EXPECT_EQ(mapper.acknowledged.back().session, 7);
+  EXPECT_EQ(mapper.saved_mesh(), mesh);
+  EXPECT_FALSE(read_file(mapper.out() / "session-8" / "mesh.ply").empty());
+  EXPECT_NE(read_file(mapper.out() / "session-8" / "mesh.ply"), mesh);
+  map_frames(mapper, 8, 1);
+  EXPECT_EQ(mapper.acknowledged.back().session, 7) << "what comes late of an old session begins none";
+}
+
+TEST(MapperServiceTest, AnotherSessionMayBeginWhenTheFirstIsSilent) {
+  Harness mapper(false, coarse());
+  mapper.idle(10'000'000);
+  map_frames(mapper, 7, 2);
+  mapper.idle(11'000'000);
+  map_frames(mapper, 8, 1);
+  EXPECT_EQ(mapper.status().frames, 2);
+  mapper.idle(13'000'000);
+  map_frames(mapper, 8, 1);
+  EXPECT_EQ(mapper.status().frames, 3);
+}
+
 TEST(MapperServiceTest, InRealTimeCountsAKeyframeWhoseImagesAreGone) {
   Harness mapper(false, coarse());
   mapper.send_frame(0);
@@ -201,10 +241,11 @@ TEST(MapperConfigTest, SetsEveryOption) {
   MapperOptions options;
   io::ConfigSchema schema;
   describe_options(schema, options);
-  ASSERT_TRUE(io::parse_config("voxel_size: 0.01\nmesh_period: 0\nimage_budget: 12\n", "test", schema));
+  ASSERT_TRUE(io::parse_config("voxel_size: 0.01\nmesh_period: 0\nimage_budget: 12\nmemory_mb: 34\n", "test", schema));
   EXPECT_EQ(options.tsdf.voxel_size, 0.01);
   EXPECT_EQ(options.mesh_period, 0.0);
   EXPECT_EQ(options.image_budget, 12);
+  EXPECT_EQ(options.memory_mb, 34);
   EXPECT_FALSE(io::parse_config("voxel_sise: 0.01\n", "test", schema));
   EXPECT_FALSE(io::parse_config("voxel_size: 0\n", "test", schema));
 }

@@ -35,6 +35,35 @@ TEST(Journal, GivesBackWhatWasWritten) {
   EXPECT_EQ(contents->damage, "");
 }
 
+TEST(Journal, IsReadRecordByRecord) {
+  test::TemporaryFolder folder;
+  const std::string sound = three_records();
+  const auto path = folder.write("a.journal", sound);
+  std::vector<std::string> found;
+  const auto take = [&](const JournalRecord& record) -> base::Status {
+    found.emplace_back(record.bytes);
+    return record.kind == 9 ? base::fail("is not wanted") : base::Status();
+  };
+  ASSERT_TRUE(read_journal(path, kSchema, take));
+  EXPECT_EQ(found, (std::vector<std::string>{"first", "", "the third"}));
+
+  const auto error = [&](const std::string& bytes) {
+    const auto read = read_journal(folder.write("a.journal", bytes), kSchema, take);
+    return read ? "" : read.error().message;
+  };
+  EXPECT_THAT(error(format_journal(kSchema, std::vector<JournalRecord>{{1, "a"}, {9, "b"}})),
+              HasSubstr("a.journal: record 1: is not wanted"));
+  EXPECT_THAT(error(format_journal(kSchema + 1, {})), HasSubstr("a.journal: "));
+  for (std::size_t size = 0; size < sound.size(); ++size) {
+    const auto contents = parse_journal(sound.substr(0, size), kSchema);
+    EXPECT_EQ(error(sound.substr(0, size)).empty(), contents && contents->damage.empty()) << size;
+  }
+  std::string damaged = sound;
+  damaged.back() ^= 1;
+  EXPECT_THAT(error(damaged), HasSubstr("a.journal: record 2 has a wrong checksum"));
+  EXPECT_FALSE(read_journal(folder.path() / "none", kSchema, take));
+}
+
 TEST(Journal, GoesOnInAFile) {
   test::TemporaryFolder folder;
   const auto path = folder.path() / "a.journal";

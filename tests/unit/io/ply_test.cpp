@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "common/base/random.hpp"
+#include "common/io/mesh_files.hpp"
+#include "common/io/pcd.hpp"
 #include "common/io/text_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -51,6 +53,35 @@ TEST_F(Ply, MeshesComeBackBitByBit) {
   EXPECT_EQ(data->triangles, mesh.triangles);
   EXPECT_TRUE(data->edges.empty());
   EXPECT_EQ(format_ply(view_of(*data)), *read_file(path));
+}
+
+TEST_F(Ply, PiecesMakeTheSameFilesAsTheWhole) {
+  const mapping::Mesh mesh = random_mesh(9000, 500);  // more than is copied at once
+  mapping::Mesh first, second;
+  const auto split = [](const auto& from, std::ptrdiff_t at, auto& a, auto& b) {
+    a.assign(from.begin(), from.begin() + at);
+    b.assign(from.begin() + at, from.end());
+  };
+  split(mesh.vertices, 6000, first.vertices, second.vertices);
+  split(mesh.normals, 6000, first.normals, second.normals);
+  split(mesh.colours, 6000, first.colours, second.colours);
+  split(mesh.triangles, 100, first.triangles, second.triangles);
+  const auto stem = folder_.path() / "pieces";
+  auto files = MeshFiles::create(stem);
+  ASSERT_TRUE(files) << files.error().message;
+  for (const mapping::Mesh& piece : {first, second, mapping::Mesh()}) ASSERT_TRUE(files->add(piece));
+  ASSERT_TRUE(files->finish());
+  EXPECT_EQ(*read_file(stem.string() + ".ply"), format_ply(view_of(mesh)));
+  EXPECT_EQ(*read_file(stem.string() + ".pcd"), format_pcd(view_of(mesh)));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 2) << "nothing else is left";
+}
+
+TEST_F(Ply, NoPiecesMakeEmptyFiles) {
+  auto files = MeshFiles::create(folder_.path() / "empty");
+  ASSERT_TRUE(files && files->finish());
+  EXPECT_EQ(*read_file(folder_.path() / "empty.ply"), format_ply({}));
+  EXPECT_EQ(*read_file(folder_.path() / "empty.pcd"), format_pcd({}));
+  EXPECT_FALSE(MeshFiles::create(folder_.path() / "nowhere" / "mesh"));
 }
 
 TEST_F(Ply, CloudsAndLineSetsComeBack) {

@@ -12,7 +12,7 @@ namespace {
 TEST(MeshPartsTest, KeepsEveryTriangleWithinTheLimit) {
   TsdfMap map;
   ASSERT_TRUE(map.integrate(empty_room().render(square_camera(100, 80.0), {}), {}));
-  const Mesh mesh = map.extract_mesh();
+  const Mesh mesh = map.extract_mesh().value();
   constexpr std::size_t kLimit = 20'000;
   const std::vector<Mesh> parts = split_mesh(mesh, kLimit);
   EXPECT_GT(parts.size(), 3U);
@@ -37,7 +37,7 @@ TEST(MeshPartsTest, KeepsEveryTriangleWithinTheLimit) {
 TEST(MeshPartsTest, AMeshThatFitsIsOnePart) {
   TsdfMap map;
   ASSERT_TRUE(map.integrate(empty_room().render(square_camera(30, 80.0), {}), {}));
-  EXPECT_EQ(split_mesh(map.extract_mesh(), 10'000'000).size(), 1U);
+  EXPECT_EQ(split_mesh(map.extract_mesh().value(), 10'000'000).size(), 1U);
 }
 
 TEST(MeshPartsTest, AnEmptyMeshIsOneEmptyPart) {

@@ -24,18 +24,18 @@ TsdfMap map_of_room(std::size_t views) {
 
 TsdfMap copy(const TsdfMap& map) {
   TsdfMap result(map.options());
-  for (const Eigen::Vector3i& tile : map.tiles()) EXPECT_TRUE(result.unpack_tile(tile, map.pack_tile(tile)));
+  for (const Eigen::Vector3i& tile : map.tiles()) EXPECT_TRUE(result.unpack_tile(tile, map.pack_tile(tile).value()));
   return result;
 }
 
 TEST(TilePageTest, ACopiedMapGoesOnLikeTheOriginal) {
   TsdfMap copied = copy(map_of_room(3));
-  EXPECT_TRUE(is_same(copied.extract_mesh(), map_of_room(3).extract_mesh()));
+  EXPECT_TRUE(is_same(copied.extract_mesh().value(), map_of_room(3).extract_mesh().value()));
   const std::vector<geometry::Pose> poses = views_all_round({0.1, 0.05, 0.2});
   for (std::size_t i = 3; i < 6; ++i) {
     ASSERT_TRUE(copied.integrate(empty_room().render(square_camera(160, 60.0), poses[i]), poses[i]));
   }
-  EXPECT_TRUE(is_same(copied.extract_mesh(), map_of_room(6).extract_mesh()));
+  EXPECT_TRUE(is_same(copied.extract_mesh().value(), map_of_room(6).extract_mesh().value()));
 }
 
 TEST(TilePageTest, ACopiedMapHasItsWholeMeshToSend) {
@@ -43,7 +43,7 @@ TEST(TilePageTest, ACopiedMapHasItsWholeMeshToSend) {
   TsdfMap copied = copy(map);
   const std::vector<Eigen::Vector3i> changed = copied.take_changed_tiles();
   for (const Eigen::Vector3i& tile : map.take_changed_tiles()) {
-    if (map.extract_tile(tile).triangles.empty()) continue;
+    if (map.extract_tile(tile).value().triangles.empty()) continue;
     EXPECT_NE(std::find(changed.begin(), changed.end(), tile), changed.end());
   }
 }
@@ -51,7 +51,7 @@ TEST(TilePageTest, ACopiedMapHasItsWholeMeshToSend) {
 TEST(TilePageTest, RefusesWhatIsNoTile) {
   const TsdfMap map = map_of_room(1);
   const Eigen::Vector3i tile = map.tiles().front();
-  const std::string sound = map.pack_tile(tile);
+  const std::string sound = map.pack_tile(tile).value();
   for (std::size_t at = 0; at < sound.size(); at += 1 + sound.size() / 100) {
     TsdfMap empty(coarse());
     EXPECT_FALSE(empty.unpack_tile(tile, std::string_view(sound).substr(0, at))) << at;

@@ -50,13 +50,13 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
 
 TEST(TileShareTest, SharesMakeUpTheMeshOfOneMapWithoutSeams) {
   const TsdfMap whole = map_of_room(0, 1);
-  const Mesh mesh = whole.extract_mesh();
+  const Mesh mesh = whole.extract_mesh().value();
   for (const int shares : {2, 3}) {
     std::vector<Mesh> parts;
     std::int64_t leaves = 0;
     for (int share = 0; share < shares; ++share) {
       const TsdfMap part = map_of_room(share, shares);
-      parts.push_back(part.extract_mesh());
+      parts.push_back(part.extract_mesh().value());
       EXPECT_FALSE(parts.back().triangles.empty());
       EXPECT_LT(part.leaf_count(), whole.leaf_count());
       leaves += part.leaf_count();

@@ -38,7 +38,7 @@ TEST_P(TsdfMapOfBothHandsTest, MakesARoomOneClosedSurface) {
   geometry::CameraModel camera = square_camera(320, 120.0);
   camera.fy *= GetParam();
   const TsdfMap map = fuse(room, camera, views_all_round({0.1, 0.05, 0.2}), coarse());
-  const Mesh mesh = map.extract_mesh();
+  const Mesh mesh = map.extract_mesh().value();
 
   const EdgeReport edges = check_edges(mesh);
   EXPECT_EQ(edges.open, 0);
@@ -58,7 +58,7 @@ TEST(TsdfMapTest, PutsAnObliqueWallWhereItIs) {
   const AnalyticScene wall{{}, {{{-50, -50, 2.013}, {50, 50, 3}, false}}};
   for (const double yaw : {0.0, 0.4, 0.8}) {
     const TsdfMap map = fuse(wall, square_camera(300, 300.0), {pose_of(yaw, 0.1, kOrigin)}, {});
-    const Mesh mesh = map.extract_mesh();
+    const Mesh mesh = map.extract_mesh().value();
     ASSERT_GT(mesh.vertices.size(), 1000U) << yaw;
     const SurfaceError error = surface_error(mesh, [&](const auto& p) { return wall.distance(p); });
     EXPECT_LT(voxels(map, error.mean), 0.01) << yaw;
@@ -86,8 +86,8 @@ TEST(TsdfMapTest, MissingReadingsLeaveNoHolesInAGrazedFloor) {
     }
     ASSERT_TRUE(map.integrate(frame, poses.back()));
   }
-  const Mesh whole = fuse(floor, camera, poses, {}).extract_mesh();
-  const Mesh mesh = map.extract_mesh();
+  const Mesh whole = fuse(floor, camera, poses, {}).extract_mesh().value();
+  const Mesh mesh = map.extract_mesh().value();
   EXPECT_GT(static_cast<double>(mesh.triangles.size()), 0.97 * static_cast<double>(whole.triangles.size()));
   EXPECT_LT(voxels(map, surface_error(mesh, [&](const auto& p) { return floor.distance(p); }).mean), 0.1);
 }
@@ -95,7 +95,7 @@ TEST(TsdfMapTest, MissingReadingsLeaveNoHolesInAGrazedFloor) {
 TEST(TsdfMapTest, MakesASphereRound) {
   const AnalyticScene scene{{{{0.03, -0.02, 1.6}, 0.5}}, {}};
   const TsdfMap map = fuse(scene, square_camera(400, 400.0), {pose_of(0, 0, kOrigin)}, {});
-  const Mesh mesh = map.extract_mesh();
+  const Mesh mesh = map.extract_mesh().value();
   const SurfaceError error = surface_error(mesh, [&](const auto& p) { return scene.distance(p); });
   EXPECT_LT(voxels(map, error.mean), 0.3);
   EXPECT_LT(voxels(map, error.max), 1.0);
@@ -115,7 +115,7 @@ TEST(TsdfMapTest, DoesNotSmearAcrossDepthEdges) {
   std::vector<geometry::Pose> poses;
   for (int i = 0; i < 5; ++i) poses.push_back(pose_of(0.1 * i - 0.2, 0.05 * i, {0.2 - 0.1 * i, 0.05, -0.6}));
   const TsdfMap map = fuse(scene, square_camera(400, 300.0), poses, {});
-  const Mesh mesh = map.extract_mesh();
+  const Mesh mesh = map.extract_mesh().value();
   const SurfaceError error = surface_error(mesh, [&](const auto& p) { return scene.distance(p); });
   EXPECT_LT(voxels(map, error.mean), 0.1);
   EXPECT_LT(voxels(map, error.max), 0.3);
@@ -135,7 +135,7 @@ TEST(TsdfMapTest, AveragesNoiseAway) {
       }
       EXPECT_TRUE(map.integrate(frame, {}));
     }
-    return surface_error(map.extract_mesh(), [&](const auto& p) { return wall.distance(p); }).mean;
+    return surface_error(map.extract_mesh().value(), [&](const auto& p) { return wall.distance(p); }).mean;
   };
   const double once = mean_error(1);
   const double often = mean_error(16);
@@ -146,7 +146,7 @@ TEST(TsdfMapTest, AveragesNoiseAway) {
 TEST(TsdfMapTest, InterpolatesColours) {
   const AnalyticScene wall{{}, {{{-50, -50, 1.5}, {50, 50, 3}, false}}};
   const geometry::CameraModel camera = square_camera(256, 256.0);
-  const Mesh mesh = fuse(wall, camera, {{}}, {}).extract_mesh();
+  const Mesh mesh = fuse(wall, camera, {{}}, {}).extract_mesh().value();
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector2d pixel = camera.project(mesh.vertices[i].cast<double>());
     EXPECT_NEAR(mesh.colours[i][0], 255 * pixel.x() / 256, 3);
@@ -159,11 +159,12 @@ TEST(TsdfMapTest, DoesNotDependOnThreadsOrOrder) {
   const AnalyticScene room = empty_room();
   const geometry::CameraModel camera = square_camera(160, 80.0);
   std::vector<geometry::Pose> poses = views_all_round({0.1, 0.05, 0.2});
-  const Mesh reference = fuse(room, camera, poses, coarse()).extract_mesh();
+  const Mesh reference = fuse(room, camera, poses, coarse()).extract_mesh().value();
   std::reverse(poses.begin(), poses.end());
   for (const std::size_t threads : {1U, 2U, 7U}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    EXPECT_TRUE(is_same(fuse(room, camera, poses, coarse()).extract_mesh(), reference)) << threads << " threads";
+    EXPECT_TRUE(is_same(fuse(room, camera, poses, coarse()).extract_mesh().value(), reference))
+        << threads << " threads";
   }
 }
 
@@ -172,7 +173,7 @@ TEST(TsdfMapTest, TakesAFrameBackToTheLastBit) {
   const geometry::CameraModel camera = square_camera(200, 100.0);
   const auto poses = views_all_round({0.1, 0.05, 0.2});
   TsdfMap map = fuse(room, camera, {poses[0], poses[1]}, coarse());
-  const Mesh before = map.extract_mesh();
+  const Mesh before = map.extract_mesh().value();
   const std::int64_t leaves_before = map.leaf_count();
 
   const image::RectifiedFrame frame = room.render(camera, poses[2]);
@@ -183,11 +184,11 @@ TEST(TsdfMapTest, TakesAFrameBackToTheLastBit) {
   ASSERT_TRUE(taken);
   EXPECT_EQ(taken->voxels, added->voxels);
   EXPECT_EQ(map.leaf_count(), leaves_before);
-  EXPECT_TRUE(is_same(map.extract_mesh(), before));
+  EXPECT_TRUE(is_same(map.extract_mesh().value(), before));
 
   for (const auto& pose : {poses[1], poses[0]}) EXPECT_TRUE(map.deintegrate(room.render(camera, pose), pose));
   EXPECT_EQ(map.leaf_count(), 0);
-  EXPECT_TRUE(map.extract_mesh().vertices.empty());
+  EXPECT_TRUE(map.extract_mesh().value().vertices.empty());
 }
 
 TEST(TsdfMapTest, TakingBackWhatWasNeverAddedChangesNothing) {
@@ -212,7 +213,7 @@ TEST(TsdfMapTest, LeavesOutReadingsThatMeanNothing) {
     ASSERT_TRUE(summary) << depth;
     EXPECT_EQ(summary->voxels, 0) << depth;
     EXPECT_EQ(map.leaf_count(), 0) << depth;
-    EXPECT_TRUE(map.extract_mesh().triangles.empty()) << depth;
+    EXPECT_TRUE(map.extract_mesh().value().triangles.empty()) << depth;
     EXPECT_TRUE(map.take_changed_tiles().empty()) << depth;
   }
 }
@@ -222,7 +223,7 @@ TEST(TsdfMapTest, TakesImagesOfOnePixel) {
   const image::RectifiedFrame frame{
       {}, square_camera(1, 1.0), cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(9)), cv::Mat(1, 1, CV_32FC1, cv::Scalar(1.0))};
   EXPECT_TRUE(map.integrate(frame, {}));
-  EXPECT_TRUE(map.extract_mesh().triangles.empty());
+  EXPECT_TRUE(map.extract_mesh().value().triangles.empty());
 }
 
 TEST(TsdfMapTest, RefusesWhatIsNoFrame) {
@@ -265,15 +266,15 @@ TEST(TsdfMapTest, TilesMakeUpTheMeshAndOnlyChangedOnesChange) {
   EXPECT_TRUE(map.take_changed_tiles().empty());
   std::vector<Mesh> before;
   std::size_t triangles = 0;
-  for (const auto& tile : first) triangles += before.emplace_back(map.extract_tile(tile)).triangles.size();
-  EXPECT_EQ(triangles, map.extract_mesh().triangles.size());
+  for (const auto& tile : first) triangles += before.emplace_back(map.extract_tile(tile).value()).triangles.size();
+  EXPECT_EQ(triangles, map.extract_mesh().value().triangles.size());
 
   ASSERT_TRUE(map.integrate(room.render(camera, poses[1]), poses[1]));
   const std::vector<Eigen::Vector3i> second = map.take_changed_tiles();
   int unchanged = 0;
   for (std::size_t i = 0; i < first.size(); ++i) {
     if (std::find(second.begin(), second.end(), first[i]) != second.end()) continue;
-    EXPECT_TRUE(is_same(map.extract_tile(first[i]), before[i]));
+    EXPECT_TRUE(is_same(map.extract_tile(first[i]).value(), before[i]));
     ++unchanged;
   }
   EXPECT_GT(unchanged, 0);

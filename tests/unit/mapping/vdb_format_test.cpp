@@ -33,7 +33,7 @@ TEST(VdbFormatTest, ReadsBackWhatWasWritten) {
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(again->leaf_count(), map.leaf_count());
   EXPECT_FALSE(again->take_changed_tiles().empty());
-  EXPECT_TRUE(is_same(again->extract_mesh(), map.extract_mesh()));
+  EXPECT_TRUE(is_same(again->extract_mesh().value(), map.extract_mesh().value()));
 }
 
 TEST(VdbFormatTest, AMapThatWasReadCanBeContinued) {

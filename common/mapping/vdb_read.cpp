@@ -1,43 +1,12 @@
-#include "common/mapping/vdb_format.hpp"
-
 #include <openvdb/io/Stream.h>
 
 #include <cmath>
 #include <istream>
-#include <limits>
-#include <mutex>
-#include <ostream>
+
+#include "common/mapping/vdb_format.hpp"
 
 namespace eg::mapping {
 namespace {
-
-constexpr char kDistanceName[] = "tsdf";
-constexpr char kWeightName[] = "weight";
-constexpr char kColourName[] = "colour";
-constexpr float kMaxColour = 255.0F;
-
-void initialise_openvdb() {
-  static std::once_flag once;
-  std::call_once(once, [] { openvdb::initialize(); });
-}
-
-void describe(openvdb::GridBase& grid, const char* name, const TsdfOptions& options) {
-  grid.setName(name);
-  grid.setTransform(openvdb::math::Transform::createLinearTransform(options.voxel_size));
-}
-
-template <typename Grid>
-typename Grid::Ptr make_grid(const char* name, typename Grid::ValueType background, const TsdfOptions& options) {
-  auto grid = Grid::create(background);
-  describe(*grid, name, options);
-  return grid;
-}
-
-openvdb::Vec3f mean_colour(const openvdb::Vec4i& sums) {
-  const float scale = 1.0F / (kMaxColour * static_cast<float>(sums[3]));
-  return {scale * static_cast<float>(sums[0]), scale * static_cast<float>(sums[1]),
-          scale * static_cast<float>(sums[2])};
-}
 
 template <typename Grid>
 const Grid* find_grid(const openvdb::GridPtrVec& grids, const char* name) {
@@ -85,41 +54,7 @@ base::Result<openvdb::GridPtrVecPtr> read_stream(std::istream& in) {
 
 }  // namespace
 
-base::Status write_grids(const TsdfGrids& grids, const TsdfOptions& options, std::ostream& out) {
-  initialise_openvdb();
-  const TsdfUnits units(options);
-  const float outside = units.metres_per_step() * TsdfUnits::kTruncationSteps;
-  auto distances = make_grid<openvdb::FloatGrid>(kDistanceName, outside, options);
-  auto colours = make_grid<openvdb::Vec3SGrid>(kColourName, openvdb::Vec3f(0.0F), options);
-  auto weights = openvdb::Int32Grid::create(grids.weight);
-  describe(*weights, kWeightName, options);
-  distances->setGridClass(openvdb::GRID_LEVEL_SET);
-  weights->setGridClass(openvdb::GRID_FOG_VOLUME);
-
-  for (auto leaf = grids.weight->beginLeaf(); leaf; ++leaf) {
-    const openvdb::Coord& origin = leaf->origin();
-    const std::int32_t* const weight = leaf->buffer().data();
-    const std::int32_t* const distance = grids.distance.probeConstLeaf(origin)->buffer().data();
-    const openvdb::Vec4i* const colour = grids.colour_sums(origin);
-    auto* const distance_leaf = distances->tree().touchLeaf(origin);
-    auto* const colour_leaf = colour != nullptr ? colours->tree().touchLeaf(origin) : nullptr;
-    for (openvdb::Index voxel = 0; voxel < IntLeaf::SIZE; ++voxel) {
-      leaf->setActiveState(voxel, weight[voxel] != 0);
-      if (weight[voxel] == 0) continue;
-      const float scale = 1.0F / static_cast<float>(weight[voxel]);
-      distance_leaf->setValueOn(voxel, units.metres_per_step() * scale * static_cast<float>(distance[voxel]));
-      if (colour != nullptr && colour[voxel][3] != 0) colour_leaf->setValueOn(voxel, mean_colour(colour[voxel]));
-    }
-  }
-  try {
-    openvdb::io::Stream(out).write(openvdb::GridCPtrVec{distances, weights, colours});
-  } catch (const std::exception& exception) {
-    return base::fail(std::string("cannot write OpenVDB grids: ") + exception.what());
-  }
-  return out.good() ? base::Status{} : base::fail("cannot write OpenVDB grids: the stream failed");
-}
-
-base::Result<std::unique_ptr<TsdfGrids>> read_grids(std::istream& in, const TsdfOptions& options) {
+base::Status read_grids(std::istream& in, const TsdfOptions& options, TsdfGrids& grids) {
   initialise_openvdb();
   const auto file = read_stream(in);
   if (!file) return tl::make_unexpected(file.error());
@@ -139,7 +74,6 @@ base::Result<std::unique_ptr<TsdfGrids>> read_grids(std::istream& in, const Tsdf
   }
 
   const TsdfUnits units(options);
-  auto grids = std::make_unique<TsdfGrids>();
   for (auto leaf = weights->tree().cbeginLeaf(); leaf; ++leaf) {
     const auto* const distance = distances->tree().probeConstLeaf(leaf->origin());
     const auto* const colour = colours->tree().probeConstLeaf(leaf->origin());
@@ -155,10 +89,10 @@ base::Result<std::unique_ptr<TsdfGrids>> read_grids(std::istream& in, const Tsdf
         return base::fail("a voxel of the OpenVDB grids is out of range");
       }
     }
-    if (colour_sums) grids->colour.addLeaf(colour_sums.release());
-    grids->insert(std::move(loose));
+    if (colour_sums) grids.colour.addLeaf(colour_sums.release());
+    grids.insert(std::move(loose));
   }
-  return grids;
+  return {};
 }
 
 }  // namespace eg::mapping
