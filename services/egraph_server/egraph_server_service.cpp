@@ -78,12 +78,13 @@ void EGraphServerService::on_keyframe(const egraph::Keyframe& keyframe) {
     context_.status().count_frame(milliseconds_since(start));
   } else if (arrival == egraph::Arrival::repeated) {
     publish_snapshot(id, builder.graph());
-  } else {
-    context_.status().count_rejected("KEYFRAME: " + update.error().message);
-    if (arrival != egraph::Arrival::early) return;
-    // Its predecessor was lost and will come again, unless the tracker had an answer from a server that is no more.
+  } else if (arrival == egraph::Arrival::early) {
+    // Its predecessor was lost and will come again, unless the tracker goes on in a map that was loaded, or had an
+    // answer from a server that is no more.
     (*session)->asked_to_restore = true;
     context_.publish(messages::channels::kRestoreRequest, messages::GraphRequest{id, builder.graph().version()});
+  } else {
+    context_.status().count_rejected("KEYFRAME: " + update.error().message);
   }
 }
 
