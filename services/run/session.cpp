@@ -134,11 +134,11 @@ void Session::step() {
 }
 
 void Session::handle_line(const std::string& line) {
-  if (calls_for_attention(line) && ++lines_shown_ <= kMostLinesShown) {
+  if (calls_for_attention(line) && warnings_.insert(line).second && ++lines_shown_ <= kMostLinesShown) {
     progress_.print(lines_shown_ < kMostLinesShown ? line : "more warnings are in log.txt");
   }
   if (line.starts_with(kPageIsThere)) show_page_address(line);
-  if (!line.starts_with(kSheriff)) return;
+  if (!line.starts_with(kSheriff)) return note_error(line);
   std::string_view text = std::string_view(line).substr(kSheriff.size());
   const bool error = text.starts_with(kError);
   const bool comes_back = text.starts_with(kWarning);  // procman starts it again
@@ -153,7 +153,16 @@ void Session::handle_line(const std::string& line) {
     save_request_.give_up_on(name);
   }
   // While frames are being processed no service may end for good, not even without an error.
-  if (error || (frames_running_ && ended)) fail((ended ? "service " : "") + std::string(text));
+  if (!error && !(frames_running_ && ended)) return;
+  const auto reason = last_errors_.find(name);
+  fail((ended ? "service " : "") + std::string(text) + (reason == last_errors_.end() ? "" : ": " + reason->second));
+}
+
+void Session::note_error(const std::string& line) {
+  const std::size_t end_of_name = line.find("] ");
+  if (!line.starts_with('[') || end_of_name == std::string::npos) return;
+  const std::string_view text = std::string_view(line).substr(end_of_name + 2);
+  if (text.starts_with(kError)) last_errors_[line.substr(1, end_of_name - 1)] = text.substr(kError.size());
 }
 
 void Session::show_page_address(std::string_view line) {

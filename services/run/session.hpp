@@ -49,6 +49,8 @@ class Session {
   void step();
   void handle_line(const std::string& line);
   void show_page_address(std::string_view line);
+  /// Keeps what a service complains of, to be told if it ends.
+  void note_error(const std::string& line);
   /// A service has died; procman would start it again. Whether that is of no use.
   bool has_given_up(const std::string& name, std::string_view how);
   void fail(const std::string& why);
@@ -66,7 +68,9 @@ class Session {
   std::string view_url_;  ///< where the viewer says it is
   bool frames_running_ = true;
   int lines_shown_ = 0;
-  std::map<std::string, int> deaths_;  ///< of services, since a frame was finished
+  std::set<std::string> warnings_;                  ///< that were shown: what ends and comes back says the same again
+  std::map<std::string, std::string> last_errors_;  ///< of services, without the service's name
+  std::map<std::string, int> deaths_;               ///< of services, since a frame was finished
   std::int64_t done_at_last_death_ = 0;
   std::string failure_;
   Clock::duration viewing_{};
