@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/result.hpp"
+#include "common/eval/depth_cloud.hpp"
 
 /// The commands of egraph-eval: each reads its files and measures. Errors name the file.
 namespace eg::service {
@@ -32,6 +33,17 @@ struct MeshAlignment {
 };
 base::Result<Report> report_mesh(const std::filesystem::path& mesh, const std::filesystem::path& reference,
                                  const std::optional<MeshAlignment>& alignment);
+
+/// Whose depth images a cloud is made of.
+struct CloudSource {
+  std::filesystem::path dataset;      ///< folder of a recording
+  std::string camera;                 ///< a name or file; empty: by the folder, as egraph-run finds it
+  std::filesystem::path groundtruth;  ///< empty: the recording's own
+};
+
+/// Writes what all depth images show at their true poses as a cloud of points (PLY), a reference for report_mesh().
+base::Result<Report> write_depth_cloud(const CloudSource& source, const eval::DepthCloudOptions& options,
+                                       const std::filesystem::path& out);
 
 /// Joins the meshes of mappers that share the space (egraph-mapper --tiles) along the borders of their tiles.
 base::Result<Report> join_mesh_files(const std::filesystem::path& out, const std::vector<std::string>& parts);

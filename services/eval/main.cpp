@@ -42,6 +42,8 @@ struct Arguments {
   std::string root;
   std::string configs;
   eg::service::RunPlan plan;
+  eg::service::CloudSource cloud;
+  eg::eval::DepthCloudOptions cloud_options;
 };
 
 CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* what, const char* estimate,
@@ -84,6 +86,25 @@ CLI::App* add_join_command(CLI::App& app, Arguments& arguments) {
   return command;
 }
 
+CLI::App* add_cloud_command(CLI::App& app, Arguments& arguments) {
+  CLI::App* command = app.add_subcommand(
+      "cloud", "write what all depth images of a recording show at their true poses, as a reference for mesh");
+  command->add_option("DATASET", arguments.cloud.dataset, "folder of the recording")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  command->add_option("--camera", arguments.cloud.camera, "NAME or FILE.yaml; else by the folder");
+  command->add_option("--groundtruth", arguments.cloud.groundtruth, "true trajectory; else the recording's own");
+  command->add_option("--out", arguments.out, "PLY file to write")->required();
+  command->add_option("--spacing", arguments.cloud_options.spacing, "one point per cube of this side, metres")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  command->add_option("--max-depth", arguments.cloud_options.max_depth, "leave out farther readings, metres; 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--json", arguments.json, "print JSON");
+  return command;
+}
+
 CLI::App* add_runs_command(CLI::App& app, Arguments& arguments, const char* name, const char* what) {
   CLI::App* command = app.add_subcommand(name, what);
   command->add_option("ROOT", arguments.root, "folder with recordings, at any depth")->required();
@@ -115,6 +136,7 @@ int main(int argc, char** argv) {
   const auto* render = add_render_command(app, arguments);
   const auto* report = add_report_command(app, arguments);
   const auto* join = add_join_command(app, arguments);
+  const auto* cloud = add_cloud_command(app, arguments);
   const auto* table = add_runs_command(
       app, arguments, "table", "run egraph-run on every known sequence, print the paper's tables with our column");
   auto* ablation = add_runs_command(app, arguments, "ablation", "the same with parts switched off by configurations");
@@ -140,6 +162,9 @@ int main(int argc, char** argv) {
   }
   if (report->parsed()) return finish(report_run(arguments.report, arguments.y_up), false);
   if (join->parsed()) return finish(join_mesh_files(arguments.out, arguments.parts), arguments.json);
+  if (cloud->parsed()) {
+    return finish(write_depth_cloud(arguments.cloud, arguments.cloud_options, arguments.out), arguments.json);
+  }
   if (table->parsed()) return finish(print_table(arguments.root, arguments.plan));
   if (ablation->parsed()) return finish(print_ablation(arguments.root, arguments.configs, arguments.plan));
   std::optional<MeshAlignment> alignment;

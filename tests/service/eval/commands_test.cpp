@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 
 #include "common/geometry/so3.hpp"
 #include "common/io/graph_json.hpp"
 #include "common/io/ply.hpp"
 #include "common/io/trajectory_file.hpp"
+#include "common/synthetic/sequence.hpp"
+#include "tests/support/recording.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace eg::service {
@@ -48,6 +51,40 @@ class EvalCommands : public testing::Test {
 
   test::TemporaryFolder folder_;
 };
+
+TEST_F(EvalCommands, TheCloudOfTrueDepthsLiesOnTheScene) {
+  const auto recording = folder_.path() / "room";
+  test::write_recording(recording, 3);
+  const auto report = write_depth_cloud({recording, {}, {}}, {0.05, 0.0}, file("cloud.ply"));
+  ASSERT_TRUE(report.has_value()) << report.error().message;
+  EXPECT_EQ(report->json["images"], 3);
+  EXPECT_EQ(report->json["without_pose"], 0);
+  const auto cloud = io::read_ply(file("cloud.ply"));
+  ASSERT_TRUE(cloud.has_value());
+  EXPECT_GT(cloud->vertices.size(), 1000U);
+  EXPECT_EQ(cloud->colours.size(), cloud->vertices.size());
+  const auto sequence = synthetic::SyntheticSequence::make({}).value();
+  std::set<std::array<int, 3>> cubes;
+  double farthest = 0.0;
+  for (const Eigen::Vector3f& point : cloud->vertices) {
+    farthest = std::max(farthest, synthetic::clearance(sequence.scene(), point.cast<double>()));
+    const Eigen::Vector3i cube = (point / 0.05F).array().floor().cast<int>();
+    cubes.insert({cube.x(), cube.y(), cube.z()});
+  }
+  EXPECT_LT(farthest, 0.002) << "steps of the depth images";
+  EXPECT_GT(static_cast<double>(cubes.size()), 0.999 * static_cast<double>(cloud->vertices.size()));
+
+  const auto near = write_depth_cloud({recording, {}, {}}, {0.05, 1.5}, file("near.ply"));
+  ASSERT_TRUE(near.has_value()) << near.error().message;
+  EXPECT_LT(near->json["points"], report->json["points"]);
+
+  std::filesystem::remove(recording / "groundtruth.txt");
+  const auto without = write_depth_cloud({recording, {}, {}}, {}, file("none.ply"));
+  ASSERT_FALSE(without.has_value());
+  EXPECT_THAT(without.error().message, HasSubstr("has no true poses"));
+  EXPECT_THAT(write_depth_cloud({recording, {}, file("gt.txt")}, {}, file("none.ply")).error().message,
+              HasSubstr("no pose is at the time of an image"));
+}
 
 TEST_F(EvalCommands, EdgesOfBothGraphs) {
   const auto report = render_edges(file("egraph.json"), false, file("edges.png"));
