@@ -38,10 +38,12 @@ DepthView::DepthView(const image::RectifiedFrame& frame, const TsdfOptions& opti
       obliqueness_(block(0, blocks_y_), kNone),
       signed_inverse_depth_(inverse_depth_.size(), 0.0F),
       pixel_obliqueness_(inverse_depth_.size(), 1.0F),
+      ranges_(obliqueness_.size()),
       colour_(frame.colour.isContinuous() ? frame.colour : frame.colour.clone()) {
   invert_depth(frame.depth, options);
   compute_obliqueness(frame.camera, measure_blocks());
   sign_pixels();
+  bound_blocks();
 }
 
 void DepthView::invert_depth(const cv::Mat& depth, const TsdfOptions& options) {
@@ -133,6 +135,30 @@ void DepthView::sign_pixels() {
       pixel_obliqueness_[i] = signed_obliqueness;
     }
   });
+}
+
+void DepthView::bound_blocks() {
+  tbb::parallel_for(0, blocks_y_, [&](int block_y) {
+    for (int y = kBlock * block_y; y < std::min(kBlock * (block_y + 1), height_); ++y) {
+      for (int x = 0; x < width_; ++x) {
+        DepthRange& range = ranges_[block(x / kBlock, block_y)];
+        const std::size_t at = pixel(x, y);
+        const float inverse = inverse_depth_[at];
+        range.obliqueness = std::min(range.obliqueness, std::abs(pixel_obliqueness_[at]));
+        if (inverse > 0.0F) range.low = std::min(range.low, inverse);
+        range.high = std::max(range.high, inverse);
+        if (!(signed_inverse_depth_[at] > 0.0F) || std::signbit(pixel_obliqueness_[at])) range.is_plain = false;
+      }
+    }
+  });
+}
+
+DepthRange DepthView::range(int first_x, int first_y, int last_x, int last_y) const {
+  DepthRange joined;
+  for (int y = first_y / kBlock; y <= last_y / kBlock; ++y) {
+    for (int x = first_x / kBlock; x <= last_x / kBlock; ++x) joined.join(ranges_[block(x, y)]);
+  }
+  return joined;
 }
 
 float DepthView::mean_around(const std::vector<float>& obliqueness, int x, int y) const {

@@ -4,12 +4,28 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "common/image/rgbd_frame.hpp"
 #include "common/mapping/tsdf_options.hpp"
 
 namespace eg::mapping {
+
+/// What some pixels show, within bounds.
+struct DepthRange {
+  float low = std::numeric_limits<float>::infinity();  ///< smallest inverse depth of a reading, 1/m
+  float high = 0.0F;                                   ///< largest; 0: there is no reading
+  float obliqueness = 2.0F;                            ///< the least, DepthView::obliqueness()
+  bool is_plain = true;                                ///< every pixel has a reading, and no depth edge is near
+
+  void join(const DepthRange& other) {
+    low = std::min(low, other.low);
+    high = std::max(high, other.high);
+    obliqueness = std::min(obliqueness, other.obliqueness);
+    is_plain = is_plain && other.is_plain;
+  }
+};
 
 /// A frame prepared for being looked up at the projections of voxels: inverse depth by pixels, slope and edges by
 /// blocks of pixels. Plain arrays, so that loops over voxels can be vectorised.
@@ -36,6 +52,10 @@ class DepthView {
   [[nodiscard]] bool at_edge(int block_x, int block_y) const {
     return std::signbit(obliqueness_[block(block_x, block_y)]);
   }
+
+  /// Bounds for the blocks of pixels from (first_x, first_y) to (last_x, last_y), both inside the image. What a pixel
+  /// is interpolated from is within the bounds of the rectangle that is one pixel larger to the right and below.
+  [[nodiscard]] DepthRange range(int first_x, int first_y, int last_x, int last_y) const;
 
   // The same for lookups by voxels: row by row, with one row and a pixel more than the image has, so that the
   // neighbours below and to the right of every pixel can be read.
@@ -68,6 +88,7 @@ class DepthView {
   void compute_obliqueness(const geometry::CameraModel& camera, const std::vector<float>& means);
   void fill_gaps_in_obliqueness(const std::vector<float>& means);
   void sign_pixels();
+  void bound_blocks();
   /// Of the blocks around one that are known; 1 if none is.
   [[nodiscard]] float mean_around(const std::vector<float>& obliqueness, int x, int y) const;
 
@@ -81,6 +102,7 @@ class DepthView {
   std::vector<float> obliqueness_;  ///< by blocks
   std::vector<float> signed_inverse_depth_;
   std::vector<float> pixel_obliqueness_;
+  std::vector<DepthRange> ranges_;  ///< by blocks
   cv::Mat colour_;
 };
 

@@ -1,5 +1,7 @@
 #include "common/mapping/leaf_observer.hpp"
 
+#include <algorithm>
+
 #include "common/geometry/depth_noise.hpp"
 
 namespace eg::mapping {
@@ -12,6 +14,11 @@ constexpr float kColourVoxels = 2.0F;
 // If readings that came out too near counted less already at one standard deviation, noisy surfaces would move away
 // from the camera by twice as much (docs/decisions/dense_map.md).
 constexpr float kSureSigmas = 1.5F;
+
+// Bounds of leaves: nearer, in metres, a leaf is looked at voxel by voxel; pixels and metres for rounding.
+constexpr float kLeastDepth = 0.01F;
+constexpr float kMargin = 0.5F;
+constexpr float kRounding = 1e-3F;
 
 Float4 all_of(double x) { return all(static_cast<float>(x)); }
 
@@ -29,7 +36,7 @@ LeafObserver::LeafObserver(const image::RectifiedFrame& frame, const geometry::P
                            const TsdfOptions& options)
     : view_(frame, options),
       camera_from_world_(world_from_camera.inverse()),
-      voxel_size_m_(options.voxel_size),
+      options_(options),
       steps_((options.voxel_size * camera_from_world_.rotation).cast<float>()),
       fx_(all_of(frame.camera.fx)),
       fy_(all_of(frame.camera.fy)),
@@ -45,46 +52,111 @@ LeafObserver::LeafObserver(const image::RectifiedFrame& frame, const geometry::P
       steps_per_metre_(all(1.0F / TsdfUnits(options).metres_per_step())) {}
 
 bool LeafObserver::observe(const openvdb::Coord& origin, LeafReading& reading) const {
-  const Eigen::Vector3d first = voxel_size_m_ * Eigen::Vector3d(origin.x(), origin.y(), origin.z());
+  const Eigen::Vector3d first = options_.voxel_size * Eigen::Vector3d(origin.x(), origin.y(), origin.z());
   const Eigen::Vector3f corner = (camera_from_world_ * first).cast<float>();
-  const Float4 along_z = {0.0F, 1.0F, 2.0F, 3.0F};
-  const Points steps{along_z * steps_(0, 2), along_z * steps_(1, 2), along_z * steps_(2, 2)};
-  Int4 near = kNone;
-  Int4 surface = kNone;
-  for (int group = 0; group < LeafReading::kGroups; ++group) {
-    const auto i = static_cast<std::size_t>(group);
-    const int voxel = 4 * group;
-    const Eigen::Vector3f start = corner + static_cast<float>(voxel / (kLeafSide * kLeafSide)) * steps_.col(0) +
-                                  static_cast<float>(voxel / kLeafSide % kLeafSide) * steps_.col(1) +
-                                  static_cast<float>(voxel % kLeafSide) * steps_.col(2);
-    const Points points{start.x() + steps.x, start.y() + steps.y, start.z() + steps.z};
-    reading.weight[i] = kNone;
-    const Pixels pixels = project(points);
-    if (!any(pixels.inside)) continue;
-    const Distances measured = measure(points.z, sample(pixels));
-    if (!any(measured.known)) continue;
-    reading.weight[i] = weigh(measured) & measured.known;
-    reading.distance[i] = round(min(measured.distance, measured.limit) * steps_per_metre_) & measured.known;
-    near |= measured.known & (measured.distance < measured.limit);
-    const Int4 beside = measured.known & (abs(measured.distance) < max(kColourVoxels * voxel_size_, measured.sigma));
-    const Float4 pixel = to_float(truncate(pixels.v + kHalf)) * width_ + to_float(truncate(pixels.u + kHalf));
-    reading.pixel[i] = beside ? truncate(pixel) : kNone - 1;
-    surface |= beside;
+  switch (look(corner)) {
+    case Sight::nothing:
+      return false;
+    case Sight::plain:
+      return observe_voxels<Sight::plain>(corner, reading);
+    case Sight::mixed:
+      return observe_voxels<Sight::mixed>(corner, reading);
   }
-  reading.has_colour = any(surface);
-  return any(near);
+  return false;
 }
 
-LeafObserver::Pixels LeafObserver::project(const Points& points) const {
+LeafObserver::Sight LeafObserver::look(const Eigen::Vector3f& corner) const {
+  // The leaf's corners: four on each of two faces.
+  constexpr float kSide = kLeafSide - 1;
+  const auto coordinates = [&](int axis, float along_z) {
+    const float start = corner[axis] + along_z * steps_(axis, 2);
+    const float x = kSide * steps_(axis, 0);
+    const float y = kSide * steps_(axis, 1);
+    return Float4{start, start + x, start + y, start + x + y};
+  };
+  const Points front{coordinates(0, 0.0F), coordinates(1, 0.0F), coordinates(2, 0.0F)};
+  const Points back{coordinates(0, kSide), coordinates(1, kSide), coordinates(2, kSide)};
+  const float nearest_z = least(min(front.z, back.z));
+  const float farthest_z = greatest(max(front.z, back.z));
+  if (nearest_z < kLeastDepth) return Sight::mixed;
+
+  const Pixels a = project<Sight::plain>(front);
+  const Pixels b = project<Sight::plain>(back);
+  const float left = least(min(a.u, b.u)) - kMargin;
+  const float right = greatest(max(a.u, b.u)) + kMargin;
+  const float top = least(min(a.v, b.v)) - kMargin;
+  const float bottom = greatest(max(a.v, b.v)) + kMargin;
+  const auto last_x = static_cast<float>(view_.width() - 1);
+  const auto last_y = static_cast<float>(view_.height() - 1);
+  if (right < 0.0F || bottom < 0.0F || left > last_x || top > last_y) return Sight::nothing;
+  const DepthRange range =
+      view_.range(static_cast<int>(std::max(left, 0.0F)), static_cast<int>(std::max(top, 0.0F)),
+                  static_cast<int>(std::min(right + 1.0F, last_x)), static_cast<int>(std::min(bottom + 1.0F, last_y)));
+  if (!is_in_band(range, nearest_z, farthest_z)) return Sight::nothing;
+  const bool is_inside = left >= 0.0F && top >= 0.0F && right < last_x && bottom < last_y;
+  return is_inside && range.is_plain ? Sight::plain : Sight::mixed;
+}
+
+bool LeafObserver::is_in_band(const DepthRange& range, float nearest_z, float farthest_z) const {
+  if (range.high == 0.0F) return false;
+  const float nearest = 1.0F / range.high;
+  const float farthest = 1.0F / range.low;
+  const auto limit =
+      std::max(truncation(options_, static_cast<double>(nearest)), truncation(options_, static_cast<double>(farthest)));
+  const float reach = static_cast<float>(limit) / range.obliqueness + kRounding;
+  return nearest_z <= farthest + reach && farthest_z >= nearest - reach;
+}
+
+template <LeafObserver::Sight sight>
+bool LeafObserver::observe_voxels(const Eigen::Vector3f& corner, LeafReading& reading) const {
+  const Float4 along_z = {0.0F, 1.0F, 2.0F, 3.0F};
+  const Points steps{along_z * steps_(0, 2), along_z * steps_(1, 2), along_z * steps_(2, 2)};
+  Found found;
+  std::size_t group = 0;
+  for (int x = 0; x < kLeafSide; ++x) {
+    const Eigen::Vector3f plane = corner + static_cast<float>(x) * steps_.col(0);
+    for (int y = 0; y < kLeafSide; ++y) {
+      const Eigen::Vector3f row = plane + static_cast<float>(y) * steps_.col(1);
+      for (int z = 0; z < kLeafSide; z += 4, ++group) {
+        const Eigen::Vector3f start = row + static_cast<float>(z) * steps_.col(2);
+        observe_group<sight>({start.x() + steps.x, start.y() + steps.y, start.z() + steps.z}, group, reading, found);
+      }
+    }
+  }
+  reading.has_colour = any(found.surface);
+  return any(found.near);
+}
+
+template <LeafObserver::Sight sight>
+inline void LeafObserver::observe_group(const Points& points, std::size_t group, LeafReading& reading,
+                                        Found& found) const {
+  reading.weight[group] = kNone;
+  const Pixels pixels = project<sight>(points);
+  if (sight == Sight::mixed && !any(pixels.inside)) return;
+  const Distances measured = measure<sight>(points.z, sample<sight>(pixels));
+  if (!any(measured.known)) return;
+  reading.weight[group] = weigh(measured) & measured.known;
+  reading.distance[group] = round(min(measured.distance, measured.limit) * steps_per_metre_) & measured.known;
+  found.near |= measured.known & (measured.distance < measured.limit);
+  const Int4 beside = measured.known & (abs(measured.distance) < max(kColourVoxels * voxel_size_, measured.sigma));
+  const Float4 pixel = to_float(truncate(pixels.v + kHalf)) * width_ + to_float(truncate(pixels.u + kHalf));
+  reading.pixel[group] = truncate(pixel) | ~beside;  // -1 where it is not
+  found.surface |= beside;
+}
+
+template <LeafObserver::Sight sight>
+inline LeafObserver::Pixels LeafObserver::project(const Points& points) const {
   const Float4 inverse_z = 1.0F / points.z;
   const Float4 u = fx_ * points.x * inverse_z + cx_;
   const Float4 v = fy_ * points.y * inverse_z + cy_;
+  if constexpr (sight == Sight::plain) return {~kNone, u, v};
   // So written that NaN is outside.
   const Int4 inside = (points.z > 0.0F) & (u >= 0.0F) & (v >= 0.0F) & (u < right_) & (v < bottom_);
   return {inside, inside ? u : all(0.0F), inside ? v : all(0.0F)};
 }
 
-LeafObserver::Depths LeafObserver::sample(const Pixels& pixels) const {
+template <LeafObserver::Sight sight>
+inline LeafObserver::Depths LeafObserver::sample(const Pixels& pixels) const {
   const Float4 x = to_float(truncate(pixels.u));
   const Float4 y = to_float(truncate(pixels.v));
   const Int4 pixel = truncate(y * width_ + x);  // exact: images have fewer than 2^24 pixels
@@ -99,39 +171,45 @@ LeafObserver::Depths LeafObserver::sample(const Pixels& pixels) const {
 
   // Bilinear in the inverse depth, which is exact on planes; beside a depth edge or a missing reading, where a mean
   // would be no surface, the nearest pixel's.
-  const Int4 at_edge = sign(evens(upper01, upper23));
+  Float4 share_u = pixels.u - x;
+  Float4 share_v = pixels.v - y;
+  if constexpr (sight == Sight::mixed) {
+    const Int4 at_edge = sign(evens(upper01, upper23));
+    share_u = at_edge ? (share_u < kHalf ? all(0.0F) : all(1.0F)) : share_u;
+    share_v = at_edge ? (share_v < kHalf ? all(0.0F) : all(1.0F)) : share_v;
+  }
   const Float4 upper_left = abs(evens(upper01, upper23));
   const Float4 upper_right = abs(odds(upper01, upper23));
   const Float4 lower_left = abs(evens(lower01, lower23));
   const Float4 lower_right = abs(odds(lower01, lower23));
-  const Float4 du = pixels.u - x;
-  const Float4 dv = pixels.v - y;
-  const Float4 share_u = at_edge ? (du < kHalf ? all(0.0F) : all(1.0F)) : du;
-  const Float4 share_v = at_edge ? (dv < kHalf ? all(0.0F) : all(1.0F)) : dv;
   const Float4 upper = upper_left + share_u * (upper_right - upper_left);
   const Float4 lower = lower_left + share_u * (lower_right - lower_left);
   const Float4 inverse = upper + share_v * (lower - upper);
+  if constexpr (sight == Sight::plain) return {inverse, oblique};
   return {pixels.inside ? inverse : all(0.0F), oblique};
 }
 
-LeafObserver::Distances LeafObserver::measure(const Float4& z, const Depths& depths) const {
+template <LeafObserver::Sight sight>
+inline LeafObserver::Distances LeafObserver::measure(const Float4& z, const Depths& depths) const {
   const Int4 is_seen = depths.inverse > 0.0F;
-  const Float4 depth = 1.0F / (is_seen ? depths.inverse : all(1.0F));
+  const Float4 depth = 1.0F / (sight == Sight::plain ? depths.inverse : (is_seen ? depths.inverse : all(1.0F)));
   const Float4 distance = (depth - z) * abs(depths.obliqueness);
   const Float4 sigma = depth_sigma(depth);
   const Float4 limit = max(least_truncation_, truncation_sigmas_ * sigma);
+  if constexpr (sight == Sight::plain) return {distance >= -limit, distance, limit, sigma};
   // Behind an object's outline its inside would border on the free space that is seen past it: a sheet of no surface.
   const Int4 is_known = is_seen & (distance >= (sign(depths.obliqueness) ? -voxel_size_ : -limit));
   return {is_known, distance, limit, sigma};
 }
 
-Int4 LeafObserver::weigh(const Distances& distances) const {
+inline Int4 LeafObserver::weigh(const Distances& distances) const {
   // Farther behind the surface than that, a reading says less and less: the object may be thinner.
   const Float4 sigma = distances.sigma;
   const Float4 sure = max(voxel_size_, kSureSigmas * sigma);
-  const Float4 certainty =
-      distances.distance >= -sure ? all(1.0F) : (distances.limit + distances.distance) / (distances.limit - sure);
   const Float4 weight = min(all(1.0F), best_variance_ / (sigma * sigma)) * static_cast<float>(TsdfUnits::kMaxWeight);
+  const Int4 is_sure = distances.distance >= -sure;
+  if (!any(~is_sure)) return truncate(max(all(1.0F), weight + kHalf));
+  const Float4 certainty = is_sure ? all(1.0F) : (distances.limit + distances.distance) / (distances.limit - sure);
   return truncate(max(all(1.0F), weight * certainty + kHalf));
 }
 

@@ -36,6 +36,12 @@ class LeafObserver {
   bool observe(const openvdb::Coord& origin, LeafReading& reading) const;
 
  private:
+  /// What there is to be seen of a leaf.
+  enum class Sight : std::uint8_t {
+    nothing,  ///< it is out of sight, behind the surfaces or in free space
+    plain,    ///< it lies inside the image, where every pixel has a reading and no depth edge is near
+    mixed,
+  };
   /// Of four voxels in the camera frame.
   struct Points {
     Float4 x, y, z;
@@ -57,14 +63,31 @@ class LeafObserver {
     Float4 sigma;     ///< standard deviation of the reading
   };
 
+  /// By the bounds of the pixels around a leaf, `corner` being its first voxel in the camera frame.
+  [[nodiscard]] Sight look(const Eigen::Vector3f& corner) const;
+  /// The same for the range of its depths: whether the band around what the pixels show may reach it.
+  [[nodiscard]] bool is_in_band(const DepthRange& range, float nearest_z, float farthest_z) const;
+  /// observe() voxel by voxel. `sight` is plain or mixed; what is plain needs fewer cases.
+  template <Sight sight>
+  bool observe_voxels(const Eigen::Vector3f& corner, LeafReading& reading) const;
+  /// What becomes of a leaf's groups together.
+  struct Found {
+    Int4 near = {};     ///< mask: voxels nearer to the surface than the truncation distance
+    Int4 surface = {};  ///< mask: voxels that have a colour
+  };
+  template <Sight sight>
+  void observe_group(const Points& points, std::size_t group, LeafReading& reading, Found& found) const;
+  template <Sight sight>
   [[nodiscard]] Pixels project(const Points& points) const;
+  template <Sight sight>
   [[nodiscard]] Depths sample(const Pixels& pixels) const;
+  template <Sight sight>
   [[nodiscard]] Distances measure(const Float4& z, const Depths& depths) const;
   [[nodiscard]] Int4 weigh(const Distances& distances) const;
 
   DepthView view_;
   geometry::Pose camera_from_world_;
-  double voxel_size_m_;
+  TsdfOptions options_;
   Eigen::Matrix3f steps_;  ///< columns: to the next voxel along x, y, z of the world, in the camera frame
   Float4 fx_, fy_, cx_, cy_, width_, right_, bottom_;
   Float4 voxel_size_, least_truncation_, truncation_sigmas_;

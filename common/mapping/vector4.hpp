@@ -18,7 +18,17 @@ inline Int4 truncate(Float4 x) { return __builtin_convertvector(x, Int4); }
 inline Float4 to_float(Int4 x) { return __builtin_convertvector(x, Float4); }
 inline Int4 bits(Float4 x) { return reinterpret_cast<Int4>(x); }
 inline Int4 sign(Float4 x) { return bits(x) < 0; }  ///< mask: has a minus sign, also of zero
-inline bool any(Int4 mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
+inline bool any(Int4 mask) {
+  using Long2 = std::int64_t __attribute__((vector_size(16)));
+  const auto halves = reinterpret_cast<Long2>(mask);
+  return (halves[0] | halves[1]) != 0;
+}
+
+inline float least(Float4 x) {
+  const Float4 pairs = min(x, __builtin_shufflevector(x, x, 2, 3, 0, 1));
+  return pairs[0] < pairs[1] ? pairs[0] : pairs[1];
+}
+inline float greatest(Float4 x) { return -least(-x); }
 
 /// Two pairs of neighbours, from anywhere.
 inline Float4 load_pairs(const float* first, const float* second) {
