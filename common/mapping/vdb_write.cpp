@@ -1,8 +1,11 @@
-#include <openvdb/io/Stream.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
 
+#include <array>
 #include <functional>
 #include <mutex>
 #include <ostream>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -39,6 +42,30 @@ class StreamedGrid : public Grid {
 
  private:
   std::function<void(Leaf&)> fill_;
+};
+
+/// OpenVDB's file format. Its own writer would look into the leaves for an index of their sizes (file_delayed_load,
+/// which may be absent) before they have values.
+class StreamedArchive : public openvdb::io::Archive {
+ public:
+  [[nodiscard]] Ptr copy() const override { return std::make_shared<StreamedArchive>(*this); }
+
+  void write(std::span<openvdb::GridBase* const> grids, std::ostream& out) const {
+    writeHeader(out, /*seekable=*/false);
+    openvdb::MetaMap().writeMeta(out);
+    const auto count = static_cast<openvdb::Int32>(grids.size());
+    out.write(reinterpret_cast<const char*>(&count), sizeof count);
+    for (const openvdb::GridBase* const grid : grids) {
+      const openvdb::io::GridDescriptor descriptor(grid->getName(), grid->type());
+      descriptor.writeHeader(out);
+      descriptor.writeStreamPos(out);  // none: it is for files in which one can seek
+      setGridCompression(out, *grid);
+      grid->writeMeta(out);
+      grid->writeTransform(out);
+      grid->writeTopology(out);
+      grid->writeBuffers(out);
+    }
+  }
 };
 
 /// The sums of a map, tile by tile. OpenVDB's writer knows no results, so that failures are exceptions here.
@@ -134,15 +161,12 @@ void write_all(SumsReader& reader, const TsdfOptions& options, std::ostream& out
     weights->add_leaf(origin, observed);
     if (sums.colour != nullptr) colours->add_leaf(origin, coloured);
   });
-  openvdb::io::Stream stream(out);
-  stream.setGridStatsMetadataEnabled(false);  // it would look into leaves that have no values yet
-  for (openvdb::GridBase* grid :
-       {static_cast<openvdb::GridBase*>(distances.get()), static_cast<openvdb::GridBase*>(weights.get()),
-        static_cast<openvdb::GridBase*>(colours.get())}) {
+  const std::array<openvdb::GridBase*, 3> grids = {distances.get(), weights.get(), colours.get()};
+  for (openvdb::GridBase* const grid : grids) {
     grid->addStatsMetadata();
     grid->removeMeta(openvdb::GridBase::META_FILE_MEM_BYTES);  // of a tree without values
   }
-  stream.write(openvdb::GridCPtrVec{distances, weights, colours});
+  StreamedArchive().write(grids, out);
 }
 
 }  // namespace
