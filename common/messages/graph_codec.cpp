@@ -89,7 +89,7 @@ static base::Result<GraphSnapshot> decode_snapshot(ByteView bytes) {
   snapshot.session = wire->session;
   snapshot.version = read_counter(wire->version, path("version"), check);
   check.in_range(path("parts"), wire->parts, 1, kMaxSnapshotParts);
-  check.in_range(path("part"), wire->part, 0, wire->parts - 1);
+  check.in_range(path("part"), wire->part, 0, std::int64_t{wire->parts} - 1);
   snapshot.part = wire->part;
   snapshot.parts = wire->parts;
   snapshot.next_landmark = read_id<egraph::LandmarkId>(wire->next_landmark, path("next_landmark"), check);

@@ -203,6 +203,8 @@ TEST(Validation, RefusesASnapshotPartThatIsNone) {
   EXPECT_EQ(complaint(snapshot), "field 'part' is 3, not in [0, 2]");
   snapshot.parts = 0;
   EXPECT_EQ(complaint(snapshot), "field 'parts' is 0, not in [1, 100000]");
+  snapshot.parts = std::numeric_limits<std::int32_t>::min();  // found by the fuzzer: one less is no number
+  EXPECT_EQ(complaint(snapshot), "field 'parts' is -2147483648, not in [1, 100000]");
 }
 
 TEST(Validation, RefusesMeshNormalsAndParts) {
