@@ -34,8 +34,10 @@ class LiveViewTest : public testing::Test {
     ASSERT_TRUE(bus_.handle(std::chrono::milliseconds(0)));
   }
   /// `skew`: of the sender's clock, microseconds.
-  void send_status(const std::string& service, std::int64_t utime, std::int64_t skew = 0, std::int32_t pid = 1) {
+  void send_status(const std::string& service, std::int64_t utime, std::int64_t skew = 0, std::int32_t pid = 1,
+                   std::int64_t dropped = 0) {
     messages::ServiceStatus status;
+    status.dropped = dropped;
     status.service = service;
     status.host = "robot";
     status.pid = pid;
@@ -82,6 +84,15 @@ TEST_F(LiveViewTest, MeasuresCpuAndStepsAndFindsNothingWrong) {
 TEST_F(LiveViewTest, NamesLostMessages) {
   for (const std::int64_t sequence : {0, 1, 5, 5}) send_pose(sequence, kSecond);
   EXPECT_THAT(view_.judge(kSecond), finding(Severity::warning, "3 of 6 messages on POSE"));
+}
+
+TEST_F(LiveViewTest, BlamesAServiceThatLeavesFramesOutAndNotTheNetwork) {
+  send_status("feature_extractor", kSecond);
+  for (const std::int64_t sequence : {0, 1, 5}) send_pose(sequence, kSecond);
+  send_status("feature_extractor", 2 * kSecond, 0, 1, 3);
+  const Findings findings = view_.judge(2 * kSecond);
+  EXPECT_THAT(findings, finding(Severity::warning, "feature_extractor on robot (1) missed 3 frames"));
+  EXPECT_EQ(findings.size(), 1U) << "more receive buffer would not help";
 }
 
 TEST_F(LiveViewTest, NamesClockSkewInBothDirections) {
