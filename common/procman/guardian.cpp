@@ -50,11 +50,15 @@ int wait_for_worker() {
   }
 }
 
+/// Whoever loses its parent becomes a child of this process, so that nobody is left when it has no child. That the list
+/// of processes shows none is no proof: one that is born while the list is read is not in it.
 void kill_what_is_left() {
-  for (auto left = find_descendants(getpid()); !left.empty(); left = find_descendants(getpid())) {
-    for (const pid_t pid : left) kill(pid, SIGKILL);
-    while (waitpid(-1, nullptr, WNOHANG) > 0) {
-    }
+  pid_t reaped = 0;
+  while (reaped >= 0) {
+    for (const pid_t pid : find_descendants(getpid())) kill(pid, SIGKILL);
+    do {
+      reaped = waitpid(-1, nullptr, WNOHANG);
+    } while (reaped > 0);
   }
 }
 

@@ -87,7 +87,9 @@ std::vector<pid_t> find_descendants(pid_t root) {
   return living(processes, members);
 }
 
-std::vector<pid_t> find_members(pid_t root, const std::string& marker) {
+namespace {
+
+std::vector<pid_t> members_now(pid_t root, const std::string& marker) {
   std::vector<Process> processes = list_processes();
   const std::set<pid_t> ours = with_descendants(processes, {getpid()});
   std::erase_if(processes,
@@ -97,6 +99,14 @@ std::vector<pid_t> find_members(pid_t root, const std::string& marker) {
     if (process.pid == root || process.session == root || carries(process.pid, marker)) members.insert(process.pid);
   }
   return living(processes, with_descendants(processes, members));
+}
+
+}  // namespace
+
+std::vector<pid_t> find_members(pid_t root, const std::string& marker) {
+  const std::vector<pid_t> members = members_now(root, marker);
+  // A child that is born while the list is read, of a parent that ends meanwhile, is in the next list only.
+  return members.empty() ? members_now(root, marker) : members;
 }
 
 }  // namespace eg::procman
