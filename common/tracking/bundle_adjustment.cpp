@@ -6,6 +6,7 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "common/tracking/bundle_costs.hpp"
 #include "common/tracking/bundle_observations.hpp"
 #include "common/tracking/frame_problem.hpp"
+#include "common/tracking/robust_loss.hpp"
 
 namespace eg::tracking {
 namespace {
@@ -21,15 +23,9 @@ namespace {
 using geometry::Plane;
 using geometry::Pose;
 
-/// 95 % quantiles of chi² with two, three and four degrees of freedom: Huber's thresholds.
-constexpr double kChi2Two = 5.99;
-constexpr double kChi2Three = 7.81;
-constexpr double kChi2Four = 9.49;
-
 struct PointView {
   using Landmark = PointLandmark;
   static constexpr int kResiduals = 3;
-  static constexpr double kThreshold = kChi2Three;
 
   [[nodiscard]] BundleResidual<3, 3> residual(const Pose& camera_from_world, const double* point) const {
     PointFactor at = factor;
@@ -43,7 +39,6 @@ struct PointView {
 struct LineView {
   using Landmark = LineLandmark;
   static constexpr int kResiduals = 4;
-  static constexpr double kThreshold = kChi2Four;
 
   [[nodiscard]] BundleResidual<4, 4> residual(const Pose& camera_from_world, const double* offsets) const {
     return bundle_line_residual(seen, *chart, Eigen::Map<const Eigen::Vector4d>(offsets), *camera, camera_from_world);
@@ -56,7 +51,6 @@ struct LineView {
 struct PlaneView {
   using Landmark = PlaneLandmark;
   static constexpr int kResiduals = 3;
-  static constexpr double kThreshold = kChi2Three;
 
   [[nodiscard]] BundleResidual<3, 3> residual(const Pose& camera_from_world, const double* plane) const {
     return bundle_plane_residual(seen, PlaneLandmark::read(plane), camera_from_world);
@@ -126,7 +120,7 @@ class BundleProblem {
     std::vector<egraph::Association> living = keyframe.directions;
     std::erase_if(living, [&](const auto& seen) { return graph.find_landmark(seen.landmark) == nullptr; });
     for (DirectionFactor& factor : direction_factors(keyframe.features, graph, living, camera_from_world.rotation)) {
-      problem_.AddResidualBlock(new DirectionCost(std::move(factor)), &huber_two_, pose(i));
+      problem_.AddResidualBlock(new DirectionCost(std::move(factor)), &direction_loss_, pose(i));
     }
   }
 
@@ -134,11 +128,13 @@ class BundleProblem {
     for (std::size_t i = 0; i < window_.points.size(); ++i) {
       const MapPoint& in_map = map_.point(window_.points[i]);
       Eigen::Map<Eigen::Vector3d>{point(i)} = in_map.position;
-      add_landmark<PointView>(point(i), map_.observers(in_map.id), [&](const MapKeyframe& keyframe, auto seen) {
-        return PointView{observed_point(keyframe.features.points[seen], in_map.position,
-                                        keyframe.world_from_camera.inverse(), sharing_depth_error(keyframe.id)[seen]),
-                         &keyframe.features.camera};
-      });
+      add_landmark<PointView>(
+          point(i), map_.observers(in_map.id), point_loss_, [&](const MapKeyframe& keyframe, auto seen) {
+            return PointView{
+                observed_point(keyframe.features.points[seen], in_map.position, keyframe.world_from_camera.inverse(),
+                               sharing_depth_error(keyframe.id)[seen]),
+                &keyframe.features.camera};
+          });
     }
   }
 
@@ -147,12 +143,13 @@ class BundleProblem {
     for (std::size_t i = 0; i < window_.lines.size(); ++i) {
       const MapLine& in_map = map_.line(window_.lines[i]);
       const LineChart* chart = &charts_.emplace_back(in_map.start, in_map.end);
-      add_landmark<LineView>(line(i), map_.observers(in_map.id), [&](const MapKeyframe& keyframe, auto seen) {
-        const geometry::CameraModel& camera = keyframe.features.camera;
-        return LineView{observed_line(keyframe.features.lines[seen], in_map.start, in_map.end, camera,
-                                      keyframe.world_from_camera.inverse()),
-                        chart, &camera};
-      });
+      add_landmark<LineView>(line(i), map_.observers(in_map.id), line_loss_,
+                             [&](const MapKeyframe& keyframe, auto seen) {
+                               const geometry::CameraModel& camera = keyframe.features.camera;
+                               return LineView{observed_line(keyframe.features.lines[seen], in_map.start, in_map.end,
+                                                             camera, keyframe.world_from_camera.inverse()),
+                                               chart, &camera};
+                             });
     }
   }
 
@@ -160,17 +157,18 @@ class BundleProblem {
     for (std::size_t i = 0; i < window_.planes.size(); ++i) {
       PlaneLandmark::write(map_.plane(window_.planes[i]).estimate.plane, plane(i));
       problem_.AddParameterBlock(plane(i), PlaneLandmark::kSize, &plane_manifold_);
-      add_landmark<PlaneView>(plane(i), map_.observers(window_.planes[i]), [](const MapKeyframe& keyframe, auto seen) {
-        return PlaneView{observed_plane(keyframe.features.planes[seen])};
-      });
+      add_landmark<PlaneView>(plane(i), map_.observers(window_.planes[i]), plane_loss_,
+                              [](const MapKeyframe& keyframe, auto seen) {
+                                return PlaneView{observed_plane(keyframe.features.planes[seen])};
+                              });
     }
   }
 
   /// One residual per keyframe of the window, and one for all others together.
   template <typename View, typename MakeView>
-  void add_landmark(double* landmark, std::span<const Observer> observers, const MakeView& view_of) {
+  void add_landmark(double* landmark, std::span<const Observer> observers, ceres::LossFunction& loss,
+                    const MakeView& view_of) {
     using Held = HeldCost<typename View::Landmark>;
-    ceres::LossFunction* loss = View::kResiduals == LineView::kResiduals ? &huber_four_ : &huber_three_;
     typename Held::Matrix information = Held::Matrix::Zero();
     typename Held::Tangent gradient = Held::Tangent::Zero();
     for (const Observer& observer : observers) {
@@ -179,12 +177,13 @@ class BundleProblem {
       const auto free = std::lower_bound(window_.keyframes.begin(), window_.keyframes.end(), observer.keyframe);
       if (free != window_.keyframes.end() && *free == observer.keyframe) {
         const auto index = static_cast<std::size_t>(free - window_.keyframes.begin());
-        problem_.AddResidualBlock(new ViewCost<View>(view), loss, pose(index), landmark);
+        problem_.AddResidualBlock(new ViewCost<View>(view), &loss, pose(index), landmark);
         continue;
       }
       const auto at = view.residual(keyframe.world_from_camera.inverse(), landmark);
-      const double chi2 = at.value.squaredNorm();
-      const double weight = chi2 <= View::kThreshold ? 1.0 : std::sqrt(View::kThreshold / chi2);
+      std::array<double, 3> cost_and_derivatives{};
+      loss.Evaluate(at.value.squaredNorm(), cost_and_derivatives.data());
+      const double weight = cost_and_derivatives[1];
       information += weight * at.by_landmark.transpose() * at.by_landmark;
       gradient += weight * at.by_landmark.transpose() * at.value;
     }
@@ -229,9 +228,10 @@ class BundleProblem {
   std::map<KeyframeId, std::vector<int>> sharing_depth_error_;  ///< per point of the keyframe
   PoseManifold pose_manifold_;
   PlaneManifold plane_manifold_;
-  ceres::HuberLoss huber_two_{std::sqrt(kChi2Two)};
-  ceres::HuberLoss huber_three_{std::sqrt(kChi2Three)};
-  ceres::HuberLoss huber_four_{std::sqrt(kChi2Four)};
+  ceres::CauchyLoss point_loss_{std::sqrt(kChi2Three)};
+  ceres::HuberLoss line_loss_{std::sqrt(kChi2Four)};
+  ceres::HuberLoss plane_loss_{std::sqrt(kChi2Three)};
+  ceres::HuberLoss direction_loss_{std::sqrt(kChi2Two)};
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ = std::make_shared<ceres::ParameterBlockOrdering>();
   ceres::Problem problem_;  // last: it refers to what is above
 };

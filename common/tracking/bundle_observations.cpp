@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/tracking/frame_problem.hpp"
+#include "common/tracking/robust_loss.hpp"
 #include "common/tracking/segment_error.hpp"
 
 namespace eg::tracking {
@@ -15,10 +16,6 @@ constexpr double kNormalFloor = kPlaneHeightFloor / 1.0;
 
 /// Edge of a patch, pixels: the lens and calibration residuals of a depth camera change over such lengths.
 constexpr double kPatchPixels = 80.0;
-
-/// 95 % quantiles of chi² with one and two degrees of freedom.
-constexpr double kChi2One = 3.84;
-constexpr double kChi2Two = 5.99;
 
 }  // namespace
 

@@ -5,27 +5,23 @@
 #include <cmath>
 
 #include "common/geometry/so3.hpp"
+#include "common/tracking/robust_loss.hpp"
 
 namespace eg::tracking {
 namespace {
-
-/// 95 % quantiles of chi² with one and two degrees of freedom: Huber's threshold and the inlier gate.
-constexpr double kChi2One = 3.84;
-constexpr double kChi2Two = 5.99;
 
 struct NormalEquations {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   double cost = 0.0;
 
-  /// Adds a whitened residual under Huber's loss with the given threshold on its chi².
+  /// Adds a whitened residual under a robust loss of its chi².
   template <int N>
-  void add(const Eigen::Matrix<double, N, 1>& residual, const Eigen::Matrix<double, N, 6>& jacobian, double threshold) {
-    const double chi2 = residual.squaredNorm();
-    const double weight = chi2 <= threshold ? 1.0 : std::sqrt(threshold / chi2);
-    hessian.noalias() += weight * jacobian.transpose() * jacobian;
-    gradient.noalias() += weight * jacobian.transpose() * residual;
-    cost += chi2 <= threshold ? chi2 : 2.0 * std::sqrt(threshold * chi2) - threshold;
+  void add(const Eigen::Matrix<double, N, 1>& residual, const Eigen::Matrix<double, N, 6>& jacobian,
+           const RobustLoss& loss) {
+    hessian.noalias() += loss.weight * jacobian.transpose() * jacobian;
+    gradient.noalias() += loss.weight * jacobian.transpose() * residual;
+    cost += loss.cost;
   }
 };
 
@@ -38,36 +34,40 @@ NormalEquations linearize_measurements(const PoseProblem& problem, const geometr
     if (!inliers.point_inliers[i]) continue;
     const PointResidual at = point_residual(problem.points[i], problem.camera, pose);
     if (!at.in_front) continue;
-    equations.add<2>(at.pixel, at.pixel_jacobian, kChi2Two);
+    equations.add<2>(at.pixel, at.pixel_jacobian, cauchy(at.pixel.squaredNorm(), kChi2Two));
     if (problem.points[i].depth > 0.0 && inliers.depth_inliers[i])
-      equations.add<1>(scalar(at.depth), at.depth_jacobian, kChi2One);
+      equations.add<1>(scalar(at.depth), at.depth_jacobian, cauchy(at.depth * at.depth, kChi2One));
   }
   for (std::size_t i = 0; i < problem.lines.size(); ++i) {
     if (!inliers.line_inliers[i]) continue;
     const LineResidual at = line_residual(problem.lines[i], problem.camera, pose);
-    if (at.in_front) equations.add<2>(at.distances, at.jacobian, kChi2Two);
+    if (at.in_front) equations.add<2>(at.distances, at.jacobian, huber(at.distances.squaredNorm(), kChi2Two));
   }
   for (std::size_t i = 0; i < problem.planes.size(); ++i) {
     if (!inliers.plane_inliers[i]) continue;
     const PlaneResidual at = plane_residual(problem.planes[i], pose);
-    equations.add<1>(scalar(at.height), at.jacobian, kChi2One);
+    equations.add<1>(scalar(at.height), at.jacobian, huber(at.height * at.height, kChi2One));
   }
   for (std::size_t i = 0; i < problem.directions.size(); ++i) {
     if (!inliers.direction_inliers[i]) continue;
     const DirectionResidual at = direction_residual(problem.directions[i], pose);
-    equations.add<2>(at.angle, at.jacobian, kChi2Two);
+    equations.add<2>(at.angle, at.jacobian, huber(at.angle.squaredNorm(), kChi2Two));
   }
   return equations;
 }
 
+/// A hand may jerk: a prediction that the measurements contradict must not drag them along.
 void add_prior(const MotionPrior& prior, const geometry::Pose& pose, NormalEquations& equations) {
-  Vector6d information;
-  information << Eigen::Vector3d::Constant(1.0 / prior.rotation_sigma),
-      Eigen::Vector3d::Constant(1.0 / prior.translation_sigma);
-  const Vector6d residual = information.cwiseProduct(pose_difference(prior.camera_from_world, pose));
-  equations.hessian += information.cwiseAbs2().asDiagonal();
-  equations.gradient += information.cwiseProduct(residual);
-  equations.cost += residual.squaredNorm();
+  const Vector6d difference = pose_difference(prior.camera_from_world, pose);
+  const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+  Eigen::Matrix<double, 3, 6> by_rotation = Eigen::Matrix<double, 3, 6>::Zero();
+  Eigen::Matrix<double, 3, 6> by_translation = Eigen::Matrix<double, 3, 6>::Zero();
+  by_rotation.leftCols<3>() = identity / prior.rotation_sigma;
+  by_translation.rightCols<3>() = identity / prior.translation_sigma;
+  const Eigen::Vector3d turn = difference.head<3>() / prior.rotation_sigma;
+  const Eigen::Vector3d way = difference.tail<3>() / prior.translation_sigma;
+  equations.add<3>(turn, by_rotation, cauchy(turn.squaredNorm(), kChi2Three));
+  equations.add<3>(way, by_translation, cauchy(way.squaredNorm(), kChi2Three));
 }
 
 NormalEquations linearize(const PoseProblem& problem, const geometry::Pose& pose, const PoseSolution& inliers) {

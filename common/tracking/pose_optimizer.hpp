@@ -88,7 +88,8 @@ struct PoseSolution {
 };
 
 /// Levenberg-Marquardt over the pose of one frame (paper, section 5, "Translation estimation", and the frame-to-map
-/// refinement), with Huber weights and the covariance of every measurement.
+/// refinement), with the covariance of every measurement and robust losses: Cauchy's for points and the prior, Huber's
+/// for lines, planes and directions.
 PoseSolution optimize_pose(const PoseProblem& problem, const geometry::Pose& initial_camera_from_world,
                            FreeParameters free, const PoseOptimizerOptions& options = {});
 
