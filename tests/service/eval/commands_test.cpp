@@ -82,7 +82,9 @@ TEST_F(EvalCommands, TheCloudOfTrueDepthsLiesOnTheScene) {
   const auto without = write_depth_cloud({recording, {}, {}}, {}, file("none.ply"));
   ASSERT_FALSE(without.has_value());
   EXPECT_THAT(without.error().message, HasSubstr("has no true poses"));
-  EXPECT_THAT(write_depth_cloud({recording, {}, file("gt.txt")}, {}, file("none.ply")).error().message,
+  const std::vector<geometry::StampedPose> later = {{1000.0, {}}};
+  ASSERT_TRUE(io::write_trajectory(file("later.txt"), later).has_value());
+  EXPECT_THAT(write_depth_cloud({recording, {}, file("later.txt")}, {}, file("none.ply")).error().message,
               HasSubstr("no pose is at the time of an image"));
 }
 
