@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
+
+#include "common/base/read_stream.hpp"
 
 namespace eg::procman {
 namespace {
@@ -97,7 +98,7 @@ std::vector<std::size_t> Configuration::select(const Selection& selection) const
 base::Result<Configuration> load_configuration(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return base::fail("cannot read the procman configuration " + file.string());
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string text = base::read_stream(stream);
   if (stream.bad()) return base::fail("cannot read the procman configuration " + file.string());
   return parse_configuration(text, file.string());
 }

@@ -5,16 +5,17 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
+
+#include "common/base/read_stream.hpp"
 
 namespace eg::procman {
 namespace {
 
 std::string read_proc(pid_t pid, const char* file) {
   std::ifstream stream("/proc/" + std::to_string(pid) + "/" + file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return base::read_stream(stream);
 }
 
 /// From the fields of /proc/PID/stat, numbered in proc(5). The second one, the program's name in parentheses, may hold

@@ -4,11 +4,11 @@
 
 #include <charconv>
 #include <fstream>
-#include <iterator>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "common/base/read_stream.hpp"
 #include "common/io/atomic_file.hpp"
 #include "common/io/graph_json.hpp"
 #include "common/io/ply.hpp"
@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 std::string read_text(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  return base::read_stream(stream);
 }
 
 base::Status read_trajectory(const fs::path& file, std::vector<geometry::StampedPose>& poses) {

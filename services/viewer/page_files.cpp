@@ -3,8 +3,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <fstream>
-#include <iterator>
 #include <system_error>
+
+#include "common/base/read_stream.hpp"
 
 namespace eg::services {
 namespace {
@@ -26,8 +27,8 @@ base::Result<PageFiles> load_page(const std::filesystem::path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder, failure)) {
     if (!entry.is_regular_file()) continue;
     std::ifstream stream(entry.path(), std::ios::binary);
-    std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-    if (!stream) return base::fail("cannot read " + entry.path().string());
+    std::string bytes = base::read_stream(stream);
+    if (!stream.is_open() || stream.bad()) return base::fail("cannot read " + entry.path().string());
     files[fmt::format("/{}", entry.path().filename().string())] = {content_type_of(entry.path()), std::move(bytes)};
   }
   if (failure) return base::fail("cannot read the page's folder " + folder.string() + ": " + failure.message());

@@ -180,12 +180,12 @@ TEST_F(DeputyTest, ReportsOncePerSecondAndOnEveryChange) {
 
 TEST_F(DeputyTest, ExitCodesAreRawWaitStatus) {
   make_ready();
-  order({command(1, "bash -c 'exit 3'"), command(2, kTicker), command(3, "/no/such/program"), command(4, "true")});
+  order({command(1, "bash -c 'exit 3'"), command(2, "sleep 1000"), command(3, "/no/such/program"), command(4, "true")});
   ASSERT_TRUE(step_until([&] { return has_ended(1) && has_ended(3) && has_ended(4) && runs(2); }));
   EXPECT_EQ(reported(1).exit_code, 768);
   EXPECT_EQ(reported(3).exit_code, 127 << 8);
   EXPECT_EQ(reported(4).exit_code, 0);
-  OrderedCommand quit = command(2, kTicker);
+  OrderedCommand quit = command(2, "sleep 1000");
   quit.force_quit = true;
   order({quit});
   ASSERT_TRUE(step_until([&] { return has_ended(2); }));
@@ -227,11 +227,12 @@ TEST_F(DeputyTest, WhatIsNotListedIsStoppedAndForgotten) {
 TEST_F(DeputyTest, OrdersForAnotherHostAndOldOnesAreIgnored) {
   Deputy& deputy = make_ready();
   const std::vector<OrderedCommand> commands = {command(1, kTicker)};
-  deputy.handle(Orders{now().utime, "other", "s", commands, {}}, now());
-  deputy.handle(Orders{now().utime - 60'000'001, "robot", "s", commands, {}}, now());
+  const auto at = now();
+  deputy.handle(Orders{at.utime, "other", "s", commands, {}}, at);
+  deputy.handle(Orders{at.utime - 60'000'001, "robot", "s", commands, {}}, at);
   step();
   EXPECT_THAT(infos_.back().commands, IsEmpty());
-  deputy.handle(Orders{now().utime - 59'000'000, "robot", "s", commands, {}}, now());
+  deputy.handle(Orders{at.utime - 59'000'000, "robot", "s", commands, {}}, at);
   step();
   EXPECT_THAT(infos_.back().commands, SizeIs(1));
 }

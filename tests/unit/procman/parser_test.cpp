@@ -181,6 +181,7 @@ TEST(LoadConfiguration, LoadsEveryFileThatIsShipped) {
 
 TEST(LoadConfiguration, NamesAFileThatIsNotThere) {
   EXPECT_THAT(load_configuration("/nowhere/x.pmd").error().message, HasSubstr("/nowhere/x.pmd"));
+  EXPECT_THAT(load_configuration("/proc").error().message, HasSubstr("/proc"));  // a folder
 }
 
 }  // namespace
