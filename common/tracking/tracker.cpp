@@ -289,6 +289,7 @@ bool Tracker::points_contradict(const Frame& frame) const {
 
 bool Tracker::sees_new_structure(const Frame& frame) const {
   if (frame.matches.planes.size() < frame.features.planes.size()) return true;
+  if (!options_.parts.egraph) return false;  // no direction is ever known
   const auto known = [&](std::size_t feature) {
     return std::any_of(frame.associations.begin(), frame.associations.end(),
                        [&](const egraph::Association& association) { return association.feature == feature; });
