@@ -143,7 +143,10 @@ TEST_F(Configurations, RecordKeepsTheImages) {
   const auto send = [&] { ASSERT_TRUE(bus_->publish(messages::channels::kRgbd, frame)); };
   ASSERT_TRUE(wait_for([&] { return size() > 0; }, send)) << sheriff->output();
   ASSERT_TRUE(bus_->publish(messages::channels::kPose, messages::encode(tracking::PoseEstimate{})));
-  ASSERT_TRUE(bus_->publish(messages::channels::kRgbd, messages::encode(frames()[1])));
+  const messages::Bytes next = messages::encode(frames()[1]);
+  const auto send_next = [&] { ASSERT_TRUE(bus_->publish(messages::channels::kRgbd, next)); };
+  const std::string next_bytes(next.begin(), next.end());
+  ASSERT_TRUE(wait_for([&] { return file_bytes(log).find(next_bytes) != std::string::npos; }, send_next));
   stop(*sheriff);
   auto recorded = recording::FrameLog::open(log, {});
   ASSERT_TRUE(recorded) << recorded.error().message;
