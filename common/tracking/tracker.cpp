@@ -88,12 +88,7 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
   const std::int64_t blind = features.header.utime - last_measured_utime_;
   if (lost_ && blind > options_.max_blind_utime) return recover(features, "searching for a known place");
 
-  Frame frame{.features = features, .prediction = motion_.predict(features.header.utime)};
-  frame.camera_from_world = frame.prediction.camera_from_world;
-  follow_graph_rotation(frame);                     // section 3.1 and 4.2
-  estimate_translation_with_rotation_fixed(frame);  // section 3.1, equation 1 with R known; section 5
-  refine_against_map(frame);                        // section 5, frame-to-map refinement
-
+  Frame frame = estimate(features);
   if (points_contradict(frame)) return recover(features, "planes fit here, but none of the expected points");
 
   const Observability observed = observability(frame.solution.information);
@@ -113,6 +108,23 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
     return finish(frame, TrackingState::rotation_only, "a single direction in view: the turn about it is predicted");
   }
   return recover(features, "matches determine neither rotation nor translation");
+}
+
+Tracker::Frame Tracker::estimate(const FrameFeatures& features) const {
+  Frame frame = estimate(features, options_.parts.egraph);
+  if (!frame.rotation_from_graph || !misses_expected_points(frame)) return frame;
+  // Directions of the frame were taken for others of the graph: see where the prediction alone leads.
+  Frame predicted = estimate(features, false);
+  return misses_expected_points(predicted) ? std::move(frame) : std::move(predicted);
+}
+
+Tracker::Frame Tracker::estimate(const FrameFeatures& features, bool with_graph) const {
+  Frame frame{.features = features, .prediction = motion_.predict(features.header.utime)};
+  frame.camera_from_world = frame.prediction.camera_from_world;
+  if (with_graph) follow_graph_rotation(frame);     // section 3.1 and 4.2
+  estimate_translation_with_rotation_fixed(frame);  // section 3.1, equation 1 with R known; section 5
+  refine_against_map(frame);                        // section 5, frame-to-map refinement
+  return frame;
 }
 
 bool Tracker::follows_one_wall(const Frame& frame, const Observability& observed) const {
@@ -280,7 +292,10 @@ bool Tracker::planes_are_unmistakable(const Frame& frame) const {
 }
 
 bool Tracker::points_contradict(const Frame& frame) const {
-  if (planes_are_unmistakable(frame)) return false;
+  return !planes_are_unmistakable(frame) && misses_expected_points(frame);
+}
+
+bool Tracker::misses_expected_points(const Frame& frame) const {
   const auto expected = visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world);
   return static_cast<int>(expected.size()) >= options_.min_expected_points &&
          static_cast<int>(frame.features.points.size()) >= options_.min_expected_points &&

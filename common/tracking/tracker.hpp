@@ -83,6 +83,9 @@ class Tracker {
   /// Why a frame of this time cannot be the next one; empty if it can.
   std::string time_objection(std::int64_t utime);
 
+  /// Rotation from the graph, translation, refinement; without the graph where it leads away from the map's points.
+  [[nodiscard]] Frame estimate(const features::FrameFeatures& features) const;
+  [[nodiscard]] Frame estimate(const features::FrameFeatures& features, bool with_graph) const;
   void follow_graph_rotation(Frame& frame) const;
   void estimate_translation_with_rotation_fixed(Frame& frame) const;
   void refine_against_map(Frame& frame) const;
@@ -92,7 +95,9 @@ class Tracker {
   [[nodiscard]] bool follows_one_wall(const Frame& frame, const Observability& observed) const;
   /// Whether the prediction is sharper than the gates within which planes are matched: no other plane can stand in.
   [[nodiscard]] bool planes_are_unmistakable(const Frame& frame) const;
-  /// After a loss or a long step: many points are expected and many are seen, but they are not the same.
+  /// Many points are expected and many are seen, but they are not the same.
+  [[nodiscard]] bool misses_expected_points(const Frame& frame) const;
+  /// That, after a loss or a long step.
   [[nodiscard]] bool points_contradict(const Frame& frame) const;
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
   [[nodiscard]] int features_of_last_keyframe(const Frame& frame) const;
