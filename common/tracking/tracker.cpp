@@ -112,8 +112,8 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
 
 Tracker::Frame Tracker::estimate(const FrameFeatures& features) const {
   Frame frame = estimate(features, options_.parts.egraph);
-  if (!frame.rotation_from_graph || !misses_expected_points(frame)) return frame;
-  // Directions of the frame were taken for others of the graph: see where the prediction alone leads.
+  if (!frame.rotation_from_graph || !planes_are_unmistakable(frame) || !misses_expected_points(frame)) return frame;
+  // Directions of the frame were taken for others of the graph: see where the prediction, which is sharp, leads alone.
   Frame predicted = estimate(features, false);
   return misses_expected_points(predicted) ? std::move(frame) : std::move(predicted);
 }
