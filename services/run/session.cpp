@@ -9,7 +9,7 @@ constexpr std::chrono::milliseconds kStep{20};
 constexpr std::chrono::seconds kSaveLimit{120};
 constexpr std::chrono::seconds kStopLimit{240};  ///< more than the stop times of all services together
 constexpr std::int64_t kSaveRequestId = 1;
-constexpr int kMostLinesShown = 20;  ///< warnings of services; all are in log.txt
+constexpr std::size_t kMostLinesShown = 20;  ///< warnings of services; all are in log.txt
 
 constexpr std::string_view kSheriff = "[procman-sheriff] ";
 /// What the viewer says when it is ready: "open URL in a browser".
@@ -134,8 +134,8 @@ void Session::step() {
 }
 
 void Session::handle_line(const std::string& line) {
-  if (calls_for_attention(line) && warnings_.insert(line).second && ++lines_shown_ <= kMostLinesShown) {
-    progress_.print(lines_shown_ < kMostLinesShown ? line : "more warnings are in log.txt");
+  if (calls_for_attention(line) && warnings_.size() < kMostLinesShown && warnings_.insert(line).second) {
+    progress_.print(warnings_.size() < kMostLinesShown ? line : "more warnings are in log.txt");
   }
   if (line.starts_with(kPageIsThere)) show_page_address(line);
   if (!line.starts_with(kSheriff)) return note_error(line);

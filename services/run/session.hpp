@@ -67,7 +67,6 @@ class Session {
   bool keep_view_;
   std::string view_url_;  ///< where the viewer says it is
   bool frames_running_ = true;
-  int lines_shown_ = 0;
   std::set<std::string> warnings_;                  ///< that were shown: what ends and comes back says the same again
   std::map<std::string, std::string> last_errors_;  ///< of services, without the service's name
   std::map<std::string, int> deaths_;               ///< of services, since a frame was finished
