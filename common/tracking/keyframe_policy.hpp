@@ -8,7 +8,7 @@ namespace eg::tracking {
 
 struct KeyframeOptions {
   int max_frames = 20;              ///< frames since the last keyframe (paper, section 4.2)
-  double min_tracked_ratio = 0.70;  ///< of the features of the last keyframe that the best frame since could find
+  double min_tracked_ratio = 0.85;  ///< of the last keyframe's features that the best frame since found (paper, 4.2)
   int min_frames = 5;               ///< a shorter distance tells nothing new: a sixth of a second
   int new_structure_frames = 2;     ///< frames in a row that must see a new plane or vanishing direction
 };

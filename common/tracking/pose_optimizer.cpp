@@ -161,4 +161,15 @@ PoseSolution optimize_pose(const PoseProblem& problem, const geometry::Pose& ini
   return solution;
 }
 
+PoseSolution without_directions(const PoseProblem& problem, const PoseSolution& solution,
+                                const PoseOptimizerOptions& options) {
+  PoseSolution without = solution;
+  without.direction_inliers.assign(problem.directions.size(), false);
+  without.camera_from_world =
+      descend(problem, solution.camera_from_world, FreeParameters::pose, options.iterations, without);
+  without.information = linearize_measurements(problem, without.camera_from_world, without).hessian;
+  without.camera_from_world.rotation = geometry::nearest_rotation(without.camera_from_world.rotation);
+  return without;
+}
+
 }  // namespace eg::tracking

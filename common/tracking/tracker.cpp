@@ -282,6 +282,8 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
                         frame.matches);
   if (map_.empty() || policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame))) {
     add_keyframe(frame, result);
+  } else if (const auto views = direction_views(frame)) {
+    direction_tracks_.add(*views);
   }
   return result;
 }
@@ -332,16 +334,33 @@ int Tracker::features_of_last_keyframe(const Frame& frame) const {
   return static_cast<int>(found_points + found_lines);
 }
 
+std::optional<DirectionViews> Tracker::direction_views(const Frame& frame) const {
+  if (frame.associations.empty()) return std::nullopt;
+  const PoseSolution by_map = without_directions(frame.problem, frame.solution, options_.optimizer);
+  if (observability(by_map.information).rotation_sigma > options_.max_rotation_sigma) return std::nullopt;
+  const Pose world_from_camera = by_map.camera_from_world.inverse();
+  return DirectionViews{
+      frame.features.directions, frame.associations, world_from_camera.rotation,
+      world_covariance(by_map.information, frame.prediction, world_from_camera).topLeftCorner<3, 3>()};
+}
+
 void Tracker::add_keyframe(Frame& frame, TrackResult& result) {
   PoseEstimate& estimate = result.estimate;
-  estimate.keyframe = map_.add_keyframe(frame.features, estimate.world_from_camera, frame.matches, frame.associations);
+  FrameFeatures features = frame.features;
+  if (const auto views = direction_views(frame)) {
+    AssociatedDirections seen = direction_tracks_.fuse(*views);
+    features.directions = std::move(seen.directions);
+    frame.associations = std::move(seen.associations);
+  }
+  direction_tracks_.clear();
+  estimate.keyframe = map_.add_keyframe(features, estimate.world_from_camera, frame.matches, frame.associations);
   policy_.keyframe_added();
   if (options_.parts.local_bundle_adjustment) {
     result.corrections = adjust_local_map();
     estimate.world_from_camera = map_.keyframe(estimate.keyframe).world_from_camera;
     motion_.correct(estimate.world_from_camera.inverse());
   }
-  result.keyframe = announcement(frame.features, estimate);
+  result.keyframe = announcement(features, estimate);
   result.keyframe->covisible = map_.covisible(estimate.keyframe);
   keyframe_covariances_.push_back(estimate.covariance);
   report_moved_keyframes(*result.keyframe);

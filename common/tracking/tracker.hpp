@@ -8,6 +8,7 @@
 
 #include "common/egraph/graph.hpp"
 #include "common/tracking/bundle_adjustment.hpp"
+#include "common/tracking/direction_tracks.hpp"
 #include "common/tracking/graph_rotation.hpp"
 #include "common/tracking/keyframe_policy.hpp"
 #include "common/tracking/map.hpp"
@@ -101,6 +102,8 @@ class Tracker {
   [[nodiscard]] bool points_contradict(const Frame& frame) const;
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
   [[nodiscard]] int features_of_last_keyframe(const Frame& frame) const;
+  /// The frame's directions seen from where the map alone puts the camera; empty where the map does not know that.
+  [[nodiscard]] std::optional<DirectionViews> direction_views(const Frame& frame) const;
   void add_keyframe(Frame& frame, TrackResult& result);
   /// Local bundle adjustment around the newest keyframe. Returns the other keyframes that moved.
   std::vector<PoseCorrection::Entry> adjust_local_map();
@@ -113,6 +116,7 @@ class Tracker {
   Map map_;
   MotionModel motion_;
   KeyframePolicy policy_;
+  DirectionTracks direction_tracks_;                    ///< since the last keyframe
   std::vector<egraph::Matrix6d> keyframe_covariances_;  ///< as measured against the map when each was made
   TrackingState state_ = TrackingState::initialising;   ///< after the last frame that was not refused
   std::int64_t last_utime_ = -1;

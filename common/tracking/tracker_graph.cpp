@@ -79,7 +79,9 @@ std::vector<egraph::CorrectedPose> Tracker::correct_map(std::span<const Keyframe
   if (poses.empty()) return poses;
   const MapKeyframe& last = map_.keyframes().back();
   if (poses.back().keyframe == last.id) {
-    motion_.correct_by(poses.back().world_from_camera * last.world_from_camera.inverse());
+    const geometry::Pose moved = poses.back().world_from_camera * last.world_from_camera.inverse();
+    motion_.correct_by(moved);
+    direction_tracks_.turn(moved.rotation);
   }
   move_with_keyframes(poses, map_);
   return poses;
