@@ -37,17 +37,18 @@ Observability observability(const Matrix6d& information) {
           sigma_of(shifts.eigenvalues()[0])};
 }
 
-geometry::Pose keep_predicted_where_unobserved(const geometry::Pose& predicted, const geometry::Pose& solved,
+geometry::Pose keep_predicted_where_unobserved(const MotionPrior& prediction, const geometry::Pose& solved,
                                                const Matrix6d& information, double max_translation_sigma) {
-  const auto shifts = marginal(information.bottomRightCorner<3, 3>(), information.bottomLeftCorner<3, 3>(),
-                               information.topLeftCorner<3, 3>());
-  Vector6d step = pose_difference(predicted, solved);
+  const Eigen::Matrix3d turns = information.topLeftCorner<3, 3>() +
+                                Eigen::Matrix3d::Identity() / (prediction.rotation_sigma * prediction.rotation_sigma);
+  const auto shifts = marginal(information.bottomRightCorner<3, 3>(), information.bottomLeftCorner<3, 3>(), turns);
+  Vector6d step = pose_difference(prediction.camera_from_world, solved);
   const Eigen::Vector3d shift = step.tail<3>();
   for (int i = 0; i < 3; ++i) {
     if (sigma_of(shifts.eigenvalues()[i]) <= max_translation_sigma) continue;
     step.tail<3>() -= shifts.eigenvectors().col(i).dot(shift) * shifts.eigenvectors().col(i);
   }
-  return perturb(predicted, step);
+  return perturb(prediction.camera_from_world, step);
 }
 
 Matrix6d world_covariance(const Matrix6d& information, const MotionPrior& prior,

@@ -76,12 +76,37 @@ TEST(PredictedWhereUnobserved, TakesTheMeasuredPartOnly) {
     const Vector3d open = test::random_direction(random);
     Matrix6d information = 1e6 * Matrix6d::Identity();
     information.bottomRightCorner<3, 3>() -= (1e6 - 1.0) * open * open.transpose();
-    const Pose kept = keep_predicted_where_unobserved(predicted, perturb(predicted, step), information, 0.05);
+    const Pose kept =
+        keep_predicted_where_unobserved({predicted, 0.04, 0.02}, perturb(predicted, step), information, 0.05);
     const Vector6d taken = pose_difference(predicted, kept);
     EXPECT_LT((taken.head<3>() - step.head<3>()).norm(), 1e-9);
     EXPECT_NEAR(open.dot(taken.tail<3>()), 0.0, 1e-6);
     const Vector3d measured = step.tail<3>() - open.dot(step.tail<3>()) * open;
     EXPECT_LT((taken.tail<3>() - measured).norm(), 1e-6);
+  }
+}
+
+/// The turn about the wall's normal is not measured, and the landmark's normal is not quite that of the wall in the
+/// map: an unlimited turn would lift the camera off, a turn as far as the prediction allows does not.
+TEST(PredictedWhereUnobserved, KeepsTheDistanceFromASingleWall) {
+  base::Random random(5);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Pose predicted = test::random_pose(random, 2.0);
+    const Vector3d wall = test::random_direction(random);
+    const Vector3d landmark = test::disturbed_direction(wall, 0.002, random);
+    const Vector3d centroid = -2.0 * wall + test::normal_vector(random, 0.3);
+    Eigen::Matrix<double, 1, 6> height;
+    height << centroid.cross(wall).transpose(), wall.transpose();
+    const Eigen::Matrix<double, 3, 2> basis = geometry::tangent_basis(landmark);
+    Matrix6d information = height.transpose() * height / (0.003 * 0.003);
+    information.topLeftCorner<3, 3>() += basis * basis.transpose() / (0.002 * 0.002);
+    Vector6d step;
+    step << Vector3d::Zero(), test::normal_vector(random, 0.03);
+    const Pose kept =
+        keep_predicted_where_unobserved({predicted, 0.04, 0.02}, perturb(predicted, step), information, 0.05);
+    const Vector3d taken = pose_difference(predicted, kept).tail<3>();
+    EXPECT_NEAR(taken.dot(wall), step.tail<3>().dot(wall), 0.001);
+    EXPECT_LT((taken - taken.dot(wall) * wall).norm(), 0.001);
   }
 }
 
