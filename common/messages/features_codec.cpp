@@ -141,6 +141,11 @@ static void read_hulls(const Wire& wire, const Path& path, Checker& check, Frame
   check.require(next == points.end(), path("num_hull_points"), "is not the sum of the hull sizes");
 }
 
+/// An index that must be there: whoever has the direction looks its plane or line up.
+static void check_source(const Path& path, std::int32_t source, std::size_t size, Checker& check) {
+  check.in_range(path, source, 0, static_cast<std::int64_t>(size) - 1);
+}
+
 /// The indices between lines, planes and directions.
 static void check_references(const FrameFeatures& frame, const Path& path, Checker& check) {
   for (std::size_t i = 0; i < frame.lines.size(); ++i) {
@@ -151,10 +156,10 @@ static void check_references(const FrameFeatures& frame, const Path& path, Check
     const Path at = path("directions", i);
     switch (direction.kind) {
       case features::DirectionKind::plane_normal:
-        check.index_or_none(at("source"), direction.source, frame.planes.size());
+        check_source(at("source"), direction.source, frame.planes.size(), check);
         break;
       case features::DirectionKind::potential_direction:
-        check.index_or_none(at("source"), direction.source, frame.lines.size());
+        check_source(at("source"), direction.source, frame.lines.size(), check);
         break;
       case features::DirectionKind::vanishing_direction:
         check.index_or_none(at("source"), direction.source, 0);

@@ -79,6 +79,7 @@ class ViewerServiceTest : public testing::Test {
     features.lines[0].end = Eigen::Vector3d::UnitX();
     features.lines[0].direction = 1;
     features.directions = directions_;
+    for (auto& direction : features.directions) direction.kind = features::DirectionKind::vanishing_direction;
     return features;
   }
 

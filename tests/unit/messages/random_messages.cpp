@@ -98,15 +98,16 @@ features::PlaneFeature random_plane(Random& random) {
 }
 
 features::DirectionFeature random_direction(Random& random, int planes, int lines) {
+  using features::DirectionKind;
   features::DirectionFeature direction;
-  direction.kind = static_cast<features::DirectionKind>(random.index(3));
+  direction.kind = static_cast<DirectionKind>(random.index(3));
+  const bool has_source = direction.kind == DirectionKind::plane_normal ? planes > 0 : lines > 0;
+  if (!has_source) direction.kind = DirectionKind::vanishing_direction;
   direction.direction = random_unit(random);
   direction.covariance = random_covariance<3>(random);
   direction.support = random_int(random, 0, 307200);
-  if (direction.kind == features::DirectionKind::plane_normal) direction.source = random_int(random, -1, planes - 1);
-  if (direction.kind == features::DirectionKind::potential_direction) {
-    direction.source = random_int(random, -1, lines - 1);
-  }
+  if (direction.kind == DirectionKind::plane_normal) direction.source = random.index(planes);
+  if (direction.kind == DirectionKind::potential_direction) direction.source = random.index(lines);
   return direction;
 }
 

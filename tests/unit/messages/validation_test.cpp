@@ -26,6 +26,7 @@ features::FrameFeatures some_features() {
   frame.planes.resize(2);
   for (features::PlaneFeature& plane : frame.planes) plane.plane.distance = 1.0;
   frame.directions.resize(3);
+  for (features::DirectionFeature& direction : frame.directions) direction.source = 0;
   return frame;
 }
 
@@ -141,9 +142,19 @@ TEST(Validation, RefusesIndicesOutOfRange) {
   EXPECT_EQ(complaint(frame), "field 'lines[1].direction' is 3, not in [-1, 2]");
   frame = some_features();
   frame.directions[2].source = 2;
-  EXPECT_EQ(complaint(frame), "field 'directions[2].source' is 2, not in [-1, 1]");
+  EXPECT_EQ(complaint(frame), "field 'directions[2].source' is 2, not in [0, 1]");
   frame.directions[2].kind = features::DirectionKind::vanishing_direction;
   EXPECT_EQ(complaint(frame), "field 'directions[2].source' is 2, not in [-1, -1]");
+}
+
+TEST(Validation, RefusesNormalsWithoutAPlaneAndSingleLinesWithoutALine) {
+  auto frame = some_features();
+  frame.directions[1].source = -1;
+  EXPECT_EQ(complaint(frame), "field 'directions[1].source' is -1, not in [0, 1]");
+  frame.directions[1].kind = features::DirectionKind::potential_direction;
+  EXPECT_EQ(complaint(frame), "field 'directions[1].source' is -1, not in [0, 1]");
+  frame.directions[1].kind = features::DirectionKind::vanishing_direction;
+  EXPECT_EQ(complaint(frame), "none");
 }
 
 TEST(Validation, RefusesUnknownEnumValues) {
