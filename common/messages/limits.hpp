@@ -30,6 +30,9 @@ inline constexpr int kMaxSkippedFrames = 100'000;  ///< frames of a recording th
 inline constexpr double kMaxLength = 10'000.0;
 inline constexpr double kMaxPixel = 1e6;  ///< bound on image coordinates; features may lie outside the image
 
+/// Bound on identities of keyframes and landmarks: the one after it is still a number.
+inline constexpr std::int32_t kMaxIdentity = 1 << 30;
+
 /// Bound on times, sequence numbers and versions: their differences cannot overflow.
 inline constexpr std::int64_t kMaxCounter = std::int64_t{1} << 60;
 

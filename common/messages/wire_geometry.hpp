@@ -52,14 +52,14 @@ Enum read_enum(std::int8_t value, Enum last, const Path& path, Checker& check) {
 /// An identity that must be there.
 template <typename Id>
 Id read_id(std::int32_t value, const Path& path, Checker& check) {
-  check.in_range(path, value, 0, INT32_MAX);
+  check.in_range(path, value, 0, kMaxIdentity);
   return Id{value};
 }
 
 /// An identity, or -1 for none.
 template <typename Id>
 Id read_optional_id(std::int32_t value, const Path& path, Checker& check) {
-  check.in_range(path, value, -1, INT32_MAX);
+  check.in_range(path, value, -1, kMaxIdentity);
   return Id{value};
 }
 

@@ -201,6 +201,15 @@ TEST(Validation, PlaneDistancesMayBeNaNOnlyWhereThereIsNoPlane) {
   EXPECT_EQ(complaint(keyframe), "field 'plane_distances[0]' is not finite");
 }
 
+TEST(Validation, RefusesIdentitiesAfterWhichThereIsNone) {
+  egraph::GraphUpdate update;
+  update.keyframe.id.value = std::numeric_limits<std::int32_t>::max();
+  EXPECT_EQ(complaint(update), "field 'keyframe.id' is 2147483647, not in [0, 1073741824]");
+  tracking::PoseEstimate pose;
+  pose.keyframe.value = std::numeric_limits<std::int32_t>::max();
+  EXPECT_EQ(complaint(pose), "field 'keyframe' is 2147483647, not in [-1, 1073741824]");
+}
+
 TEST(Validation, RefusesARelativePoseBetweenAKeyframeAndItself) {
   egraph::GraphSnapshot snapshot;
   snapshot.relative_poses.push_back({egraph::KeyframeId{7}, egraph::KeyframeId{7}, {}});
