@@ -38,7 +38,7 @@ void read_vertices(const Wire& wire, const Path& path, Checker& check, Mesh& mes
     mesh.normals[i] = Eigen::Map<const Eigen::Vector3f>(vertex.normal);
     std::copy(std::begin(vertex.colour), std::end(vertex.colour), mesh.colours[i].begin());
     const Path at = path("vertices", i);
-    check.finite(at("position"), mesh.vertices[i]);
+    check.length(at("position"), mesh.vertices[i]);
     check.finite(at("normal"), mesh.normals[i]);
     check.require(std::abs(mesh.normals[i].norm() - 1) <= kNormalTolerance, at("normal"), "is no unit vector");
   }

@@ -227,10 +227,13 @@ TEST(Validation, RefusesASnapshotPartThatIsNone) {
   EXPECT_EQ(complaint(snapshot), "field 'parts' is -2147483648, not in [1, 100000]");
 }
 
-TEST(Validation, RefusesMeshNormalsAndParts) {
+TEST(Validation, RefusesMeshVerticesNormalsAndParts) {
   auto chunk = some_chunk();
   chunk.mesh.normals[2].setZero();
   EXPECT_EQ(complaint(chunk), "field 'vertices[2].normal' is no unit vector");
+  chunk = some_chunk();
+  chunk.mesh.vertices[1].x() = 1e30F;
+  EXPECT_EQ(complaint(chunk), "field 'vertices[1].position' is farther than 10 km");
   chunk = some_chunk();
   chunk.part = 1;
   EXPECT_EQ(complaint(chunk), "field 'part' is 1, not in [0, 0]");
