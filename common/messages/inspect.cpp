@@ -13,6 +13,7 @@
 #include <egraph_msgs/graph_update_t.hpp>
 #include <egraph_msgs/keyframe_t.hpp>
 #include <egraph_msgs/mesh_chunk_t.hpp>
+#include <egraph_msgs/mesh_request_t.hpp>
 #include <egraph_msgs/pose_correction_t.hpp>
 #include <egraph_msgs/pose_estimate_t.hpp>
 #include <egraph_msgs/resend_request_t.hpp>
@@ -49,6 +50,9 @@ void describe(const egraph::GraphUpdate& update, MessageInfo& info) {
   info.utime = update.keyframe.utime;
 }
 
+/// Sent when somebody asks, of whatever version there is then.
+void describe(const egraph::GraphSnapshot& snapshot, MessageInfo& info) { info.session = snapshot.session; }
+
 void describe(const ServiceStatus& status, MessageInfo& info) { info.utime = status.utime; }
 
 template <typename T>
@@ -71,8 +75,9 @@ Type type() {
   return {Wire::getHash(), Wire::getTypeName(), &inspect_as<T>};
 }
 
-const std::array<Type, 15>& types() {
-  static const std::array<Type, 15> kTypes = {type<egraph_msgs::rgbd_t, CompressedFrame>(),
+/// Those that are on channels; the map archive's are in no log.
+const std::array<Type, 16>& types() {
+  static const std::array<Type, 16> kTypes = {type<egraph_msgs::rgbd_t, CompressedFrame>(),
                                               type<egraph_msgs::features_t, features::FrameFeatures>(),
                                               type<egraph_msgs::pose_estimate_t, tracking::PoseEstimate>(),
                                               type<egraph_msgs::pose_correction_t, tracking::PoseCorrection>(),
@@ -80,6 +85,7 @@ const std::array<Type, 15>& types() {
                                               type<egraph_msgs::graph_update_t, egraph::GraphUpdate>(),
                                               type<egraph_msgs::graph_snapshot_t, egraph::GraphSnapshot>(),
                                               type<egraph_msgs::mesh_chunk_t, mapping::MeshChunk>(),
+                                              type<egraph_msgs::mesh_request_t, MeshRequest>(),
                                               type<egraph_msgs::graph_request_t, GraphRequest>(),
                                               type<egraph_msgs::acknowledge_t, Acknowledge>(),
                                               type<egraph_msgs::end_of_stream_t, EndOfStream>(),

@@ -2,7 +2,15 @@
 
 #include <algorithm>
 
+#include "common/messages/channels.hpp"
+
 namespace eg::recording {
+namespace {
+
+/// Whether every number is sent. Features of keyframes are answers to those who lack some: nothing is missing between.
+bool is_gapless(std::string_view channel) { return !channel.ends_with(messages::channels::kKeyframeFeatures); }
+
+}  // namespace
 
 std::int64_t SessionStatistics::missing() const {
   if (numbers.empty()) return 0;
@@ -45,7 +53,7 @@ messages::MessageInfo StreamStatistics::add(std::string_view channel, messages::
   }
   if (info.session) {
     SessionStatistics& session = statistics.sessions[*info.session];
-    if (info.number && !session.numbers.insert(*info.number).second) ++session.repeated;
+    if (info.number && is_gapless(channel) && !session.numbers.insert(*info.number).second) ++session.repeated;
   }
   return info;
 }

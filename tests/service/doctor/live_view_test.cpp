@@ -86,6 +86,22 @@ TEST_F(LiveViewTest, NamesLostMessages) {
   EXPECT_THAT(view_.judge(kSecond), finding(Severity::warning, "3 of 6 messages on POSE"));
 }
 
+TEST_F(LiveViewTest, WhatIsSentOnRequestHasNoGaps) {
+  for (const std::int64_t sequence : {40, 10}) {
+    features::FrameFeatures features;
+    features.header = {1, sequence, 33'000 * sequence};
+    features.camera = {"tiny", 16, 12, 20, 20, 7.5, 5.5, {}, 1000, 10};
+    send(channels::kKeyframeFeatures, features, kSecond);
+    egraph::GraphSnapshot snapshot;
+    snapshot.session = 1;
+    snapshot.version = sequence;
+    send(channels::kGraphSnapshot, snapshot, kSecond);
+  }
+  send(channels::kMeshRequest, messages::MeshRequest{1}, kSecond);
+  EXPECT_THAT(view_.judge(kSecond), IsEmpty());
+  EXPECT_EQ(view_.streams().channels().at(channels::kMeshRequest).type, "mesh_request_t");
+}
+
 TEST_F(LiveViewTest, BlamesAServiceThatLeavesFramesOutAndNotTheNetwork) {
   send_status("feature_extractor", kSecond);
   for (const std::int64_t sequence : {0, 1, 5}) send_pose(sequence, kSecond);
