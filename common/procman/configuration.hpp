@@ -19,6 +19,9 @@ struct Place {
   int column = 0;
 };
 
+/// More would not fit a clock's difference everywhere.
+inline constexpr std::chrono::seconds kLongestStopTime{1'000'000};
+
 /// One process to run.
 struct Command {
   std::string name;

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <charconv>
+#include <csignal>
+#include <cstdint>
 #include <utility>
 
 #include "common/procman/configuration.hpp"
@@ -69,12 +71,13 @@ class Parser {
 
   std::string take_string(const std::string& expected) { return take(Token::Kind::string, expected).text; }
 
-  int take_integer(const std::string& expected, int minimum) {
+  int take_integer(const std::string& expected, int low, int high) {
     const Token token = take(Token::Kind::integer, expected);
     int value = 0;
     const char* end = token.text.data() + token.text.size();
-    if (std::from_chars(token.text.data(), end, value).ec != std::errc{} || value < minimum) {
-      fail_at_place(token.place, expected + " must be at least " + std::to_string(minimum) + " and fit 32 bits");
+    if (std::from_chars(token.text.data(), end, value).ec != std::errc{} || value < low || value > high) {
+      fail_at_place(token.place,
+                    expected + " must be in [" + std::to_string(low) + ", " + std::to_string(high) + "]");
     }
     return value;
   }
@@ -134,9 +137,10 @@ class Parser {
     } else if (name.text == "auto_respawn") {
       command.auto_respawn = is_true(take_string("\"true\" or \"false\""));
     } else if (name.text == "stop_signal") {
-      command.stop_signal = take_integer("stop_signal", 1);
+      command.stop_signal = take_integer("stop_signal", 1, SIGRTMAX);
     } else if (name.text == "stop_time_allowed") {
-      command.stop_time_allowed = std::chrono::seconds(take_integer("stop_time_allowed", 1));
+      command.stop_time_allowed =
+          std::chrono::seconds(take_integer("stop_time_allowed", 1, static_cast<int>(kLongestStopTime.count())));
     } else {
       fail_at_place(name.place, "unknown attribute '" + name.text +
                                     "' (known: exec, host, group, auto_respawn, stop_signal, stop_time_allowed)");
@@ -190,7 +194,7 @@ class Parser {
 
   void parse_wait(Action& action) {
     if (take_keyword("ms")) {
-      action.what = WaitTimeAction{std::chrono::milliseconds(take_integer("the time in milliseconds", 0))};
+      action.what = WaitTimeAction{std::chrono::milliseconds(take_integer("the time in milliseconds", 0, INT32_MAX))};
       return;
     }
     WaitStatusAction wait;

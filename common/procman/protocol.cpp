@@ -8,15 +8,14 @@
 namespace eg::procman {
 namespace {
 
-constexpr float kLongestStopTime = 1e6F;  ///< seconds; more would not fit a clock's difference everywhere
-
 // A visitor goes through the fields of a type in their order on the wire. With a WireWriter it writes them, with a
 // WireReader it fills them in. `check` is for what a reader must not take on trust.
 
 void check(WireReader& wire, const CommandDefinition& definition) {
   wire.require(definition.stop_signal >= 0 && definition.stop_signal <= SIGRTMAX, "stop_signal", "is no signal");
+  constexpr float kLongest = std::chrono::duration<float>(kLongestStopTime).count();
   const float time = definition.stop_time_allowed;
-  wire.require(std::isfinite(time) && time >= 0 && time <= kLongestStopTime, "stop_time_allowed", "is out of range");
+  wire.require(std::isfinite(time) && time >= 0 && time <= kLongest, "stop_time_allowed", "is out of range");
 }
 void check(WireReader& wire, const ReportedCommand& command) {
   wire.require(std::isfinite(command.cpu_usage), "cpu_usage", "is not finite");
