@@ -14,6 +14,8 @@ using namespace std::chrono_literals;
 constexpr auto kPeriod = 1s;
 constexpr auto kListeningTime = 1200ms;  ///< another sheriff speaks within a period
 constexpr auto kStaleAfter = 30s;
+/// Of those that the configuration does not name: whoever is on the network can claim to be one.
+constexpr std::size_t kMostStrangers = 256;
 
 /// The time in "host:pid:utime".
 std::optional<std::int64_t> start_of(std::string_view sheriff) {
@@ -30,6 +32,9 @@ bool is_older(const std::string& sheriff, const std::string& than) {
   if (!start || !other || *start == *other) return sheriff < than;
   return *start < *other;
 }
+
+/// Any other number is another run; where it began, a deputy may have said.
+std::int32_t number_of_next_run(std::int32_t run) { return run == INT32_MAX ? 1 : run + 1; }
 
 bool ended_as_asked(const OrderedCommand& order, int wait_status) {
   const int stop_signal = to_command(order.definition, "").stop_signal;
@@ -108,7 +113,9 @@ void Sheriff::wish(std::size_t command, Wish wish) {
   const CommandStatus now = status(command, now_);
   const bool up = now == CommandStatus::running || now == CommandStatus::starting || now == CommandStatus::restarting;
   order.force_quit = wish == Wish::stop;
-  if (wish == Wish::restart || (wish == Wish::start && !up)) ++order.desired_runid;
+  if (wish == Wish::restart || (wish == Wish::start && !up)) {
+    order.desired_runid = number_of_next_run(order.desired_runid);
+  }
   changed_ |= order != before;
 }
 
@@ -127,6 +134,7 @@ Condition Sheriff::condition(std::size_t command) const {
 
 void Sheriff::handle(const Info& info, Now now) {
   now_ = now;
+  if (!deputies_.contains(info.host) && !names_host(info.host) && deputies_.size() >= kMostStrangers) return;
   const auto [deputy, is_new] = deputies_.try_emplace(info.host);
   if (!is_new) notice_new_deputy(deputy->second, info);
   deputy->second = {info, now.time};

@@ -69,6 +69,7 @@ class Sheriff : public CommandSet {
     Info info;
     Clock::time_point heard;
   };
+  /// All that the configuration names and that were heard of, and some others.
   [[nodiscard]] const std::map<std::string, DeputyState>& deputies() const { return deputies_; }
 
   /// The deputy that is to run a command: "localhost" if it names none.

@@ -190,6 +190,33 @@ TEST_F(SheriffTest, TakesOverWhatRunsAlready) {
   EXPECT_THAT(orders[0].commands, SizeIs(2)) << "what the configuration does not define is left out, and so ends";
 }
 
+TEST_F(SheriffTest, CountsOnFromAnyRunThatADeputyNames) {
+  ReportedCommand running;
+  running.definition = to_definition(configuration_.commands[kA]);
+  running.sheriff_id = 4711;
+  running.pid = 99;
+  running.actual_runid = INT32_MAX;
+  deputy("robot").commands = {running};
+  make();
+  report("robot");
+  pass(2s);
+  sheriff_->restart(kA);
+  EXPECT_EQ(status(kA), CommandStatus::restarting);
+  obey();
+  EXPECT_EQ(status(kA), CommandStatus::running);
+}
+
+TEST_F(SheriffTest, RemembersSomeStrangersAndEveryDeputyOfItsOwn) {
+  make();
+  for (int i = 0; i < 1000; ++i) report("stranger " + std::to_string(i));
+  EXPECT_THAT(sheriff_->deputies(), SizeIs(256));
+  report("robot");
+  report("stranger 1");
+  EXPECT_TRUE(sheriff_->deputies().contains("robot"));
+  pass(2s);
+  EXPECT_THAT(obey(), SizeIs(1));
+}
+
 TEST_F(SheriffTest, WhatWasStartedBeforeItsDeputyWasHeardOfIsStartedThen) {
   make();
   sheriff_->start(kC);
