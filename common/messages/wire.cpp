@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "common/base/printable.hpp"
+
 namespace eg::messages {
 namespace {
 
@@ -27,7 +29,12 @@ std::string hexadecimal(std::uint64_t value) {
   return text;
 }
 
-bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
+bool has_control_characters(std::string_view text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (base::control_bytes_at(text, at) > 0) return true;
+  }
+  return false;
+}
 
 base::Status truncated(ByteView bytes, std::size_t expected) {
   return base::fail("the message is truncated: it has " + std::to_string(bytes.size()) + " of at least " +
@@ -69,8 +76,8 @@ base::Result<std::size_t> check_text(ByteView bytes, std::size_t at, const Text&
   const auto size = static_cast<std::size_t>(length);
   if (at + 4 + size > bytes.size()) return tl::make_unexpected(truncated(bytes, at + 4 + size).error());
   const ByteView characters = bytes.subspan(at + 4, size);
-  const auto control = [](std::uint8_t c) { return is_control(static_cast<char>(c)); };
-  if (characters.back() != 0 || std::any_of(characters.begin(), characters.end() - 1, control)) {
+  const std::string_view shown(reinterpret_cast<const char*>(characters.data()), size - 1);
+  if (characters.back() != 0 || has_control_characters(shown)) {
     return base::fail(field + "is no printable text");
   }
   return size;
@@ -108,8 +115,8 @@ std::string printable(std::string_view text, std::size_t maximum) {
     while (end > 0 && inside_character(end)) --end;
     text = text.substr(0, end);
   }
-  std::string result(text);
-  std::replace_if(result.begin(), result.end(), is_control, ' ');
+  std::string result = base::printable(text);
+  std::replace(result.begin(), result.end(), '\t', ' ');
   return result;
 }
 

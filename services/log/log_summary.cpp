@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/base/printable.hpp"
 #include "common/transport/event_log.hpp"
 
 namespace eg::log_tool {
@@ -63,8 +64,8 @@ std::string format_table(const LogSummary& summary) {
   text += fmt::format("{:<24} {:<18} {:>8} {:>8} {:>9} {:>9} {:>8} {:>8} {:>8}  {}\n", "channel", "type", "messages",
                       "per s", "mean kB", "max kB", "missing", "again", "refused", "sessions");
   for (const auto& [name, channel] : summary.streams.channels()) {
-    text += fmt::format("{:<24} {:<18} {:>8} {:>8.1f} {:>9.2f} {:>9.2f} {:>8} {:>8} {:>8}  {}\n", name, channel.type,
-                        channel.messages, channel.rate(), mean_kilobytes(channel),
+    text += fmt::format("{:<24} {:<18} {:>8} {:>8.1f} {:>9.2f} {:>9.2f} {:>8} {:>8} {:>8}  {}\n", base::printable(name),
+                        channel.type, channel.messages, channel.rate(), mean_kilobytes(channel),
                         1e-3 * static_cast<double>(channel.largest), channel.missing(), channel.repeated(),
                         channel.rejected, sessions_of(channel));
     if (channel.rejected > 0) text += fmt::format("  last refusal: {}\n", channel.last_rejection);
@@ -98,7 +99,8 @@ std::string format_json(const LogSummary& summary) {
              {"sessions", nlohmann::ordered_json::array()}};
     for (const auto& [session, statistics] : channel.sessions) entry["sessions"].push_back(session);
   }
-  return json.dump(2) + "\n";
+  // A channel's name is any bytes: what is no UTF-8 is replaced.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace eg::log_tool

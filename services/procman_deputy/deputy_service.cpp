@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/base/printable.hpp"
 #include "common/procman/guardian.hpp"
 
 namespace eg::procman_deputy {
@@ -22,7 +23,7 @@ procman::Now now() {
 /// What the deputy itself says, it says here too.
 void log_own_words(const procman::Printf& message) {
   if (message.sheriff_id != 0) return;
-  spdlog::info("{}", message.text.substr(0, message.text.find('\n')));
+  spdlog::info("{}", base::printable(message.text.substr(0, message.text.find('\n'))));
 }
 
 }  // namespace

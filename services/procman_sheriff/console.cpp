@@ -3,7 +3,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -18,12 +17,6 @@ std::size_t terminal_width() {
 }
 
 }  // namespace
-
-std::string printable(std::string text) {
-  const auto is_control = [](unsigned char c) { return (c < 0x20 && c != '\t') || c == 0x7f; };
-  std::replace_if(text.begin(), text.end(), is_control, ' ');
-  return text;
-}
 
 std::string with_name(const std::string& name, const std::string& line) {
   const std::string prefix = "[" + name + "] ";

@@ -6,9 +6,6 @@
 
 namespace eg::procman_sheriff {
 
-/// The text with control characters replaced: what comes over the network must not command the terminal.
-std::string printable(std::string text);
-
 /// "[name] line": who says it. Our own programs begin their lines so already, and are not named twice.
 std::string with_name(const std::string& name, const std::string& line);
 

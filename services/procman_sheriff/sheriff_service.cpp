@@ -6,6 +6,7 @@
 #include <array>
 #include <random>
 
+#include "common/base/printable.hpp"
 #include "common/procman/guardian.hpp"
 #include "services/procman_sheriff/status_table.hpp"
 
@@ -81,7 +82,7 @@ base::Status SheriffService::step() {
   if (!handled) return tl::make_unexpected(handled.error());
   if (!observing_) {
     if (!sheriff_.superior().empty()) {
-      return base::fail("another sheriff, " + printable(sheriff_.superior()) + ", orders these deputies already");
+      return base::fail("another sheriff, " + base::printable(sheriff_.superior()) + ", orders these deputies already");
     }
     warn_of_intruder();
     send_orders();
@@ -130,13 +131,13 @@ void SheriffService::print_output(const procman::Printf& text) {
   if (!known && text.sheriff_id != 0) return;  // of a command of somebody else
   const std::string& name = known ? configuration_.commands[command].name : text.deputy_name;
   output_[text.sheriff_id].add(text.text,
-                               [&](const std::string& line) { console_.print(printable(with_name(name, line))); });
+                               [&](const std::string& line) { console_.print(base::printable(with_name(name, line))); });
 }
 
 void SheriffService::warn_of_intruder() {
   if (sheriff_.intruder() == intruder_warned_of_) return;
   intruder_warned_of_ = sheriff_.intruder();
-  console_.print(printable("[procman-sheriff] warning: another sheriff, " + intruder_warned_of_ +
+  console_.print(base::printable("[procman-sheriff] warning: another sheriff, " + intruder_warned_of_ +
                            ", orders these deputies, too: end one of the two"));
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "services/procman_sheriff/console.hpp"
+#include "common/base/printable.hpp"
 
 namespace eg::procman_sheriff {
 namespace {
@@ -18,11 +18,11 @@ using Row = std::vector<std::string>;
 constexpr double kMegabyte = 1e6;
 
 std::string full_name(const procman::CommandDefinition& definition) {
-  return printable(definition.group.empty() ? definition.name : definition.group + "/" + definition.name);
+  return base::printable(definition.group.empty() ? definition.name : definition.group + "/" + definition.name);
 }
 
 Row make_row(const std::string& name, const std::string& host, CommandStatus status, const ReportedCommand* report) {
-  Row row = {name, printable(host), to_string(status), "", "", ""};
+  Row row = {name, base::printable(host), to_string(status), "", "", ""};
   if (report == nullptr || report->pid == 0) return row;
   row[3] = std::to_string(report->pid);
   row[4] = fmt::format("{:.0f} %", 100.0 * report->cpu_usage);
@@ -63,7 +63,7 @@ std::vector<std::string> make_status_table(const procman::Configuration& configu
   std::vector<std::string> lines = align(rows);
   for (const auto& [host, deputy] : sheriff.deputies()) {
     const procman::Info& info = deputy.info;
-    lines.push_back(fmt::format("deputy {}: {}, CPU {:.0f} %, {:.1f} of {:.1f} GB free", printable(host),
+    lines.push_back(fmt::format("deputy {}: {}, CPU {:.0f} %, {:.1f} of {:.1f} GB free", base::printable(host),
                                 sheriff.is_stale(host, now) ? "silent" : "heard", 100.0 * info.cpu_load,
                                 static_cast<double>(info.memory_free_bytes) / 1e9,
                                 static_cast<double>(info.memory_total_bytes) / 1e9));

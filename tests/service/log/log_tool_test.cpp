@@ -86,6 +86,15 @@ TEST_F(LogTool, ListsChannelsWithGapsAndRepetitions) {
   EXPECT_EQ(json["channels"]["RGBD"]["missing"], 1);
 }
 
+TEST_F(LogTool, ListsChannelsWhoseNamesAreNoText) {
+  ASSERT_TRUE(writer_.write("A\x1b[2J\xff", std::vector<std::uint8_t>(9, 1), 5));
+  ASSERT_TRUE(writer_.flush());
+  const auto summary = summarise(log_);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_THAT(format_table(*summary), testing::AllOf(HasSubstr("\nA [2J"), testing::Not(HasSubstr("\x1b"))));
+  EXPECT_TRUE(nlohmann::json::parse(format_json(*summary))["channels"].contains("A\x1b[2J\uFFFD"));
+}
+
 TEST_F(LogTool, SaysWhereALogIsDamaged) {
   write_session("", 1);
   std::filesystem::resize_file(log_, std::filesystem::file_size(log_) - 5);

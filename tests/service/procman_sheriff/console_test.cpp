@@ -12,7 +12,5 @@ TEST(WithName, NamesWhoSpeaksOnce) {
   EXPECT_EQ(with_name("a", ""), "[a] ");
 }
 
-TEST(Printable, LeavesTheTerminalAlone) { EXPECT_EQ(printable("a\x1b[2Jb\tc\x7f"), "a [2Jb\tc "); }
-
 }  // namespace
 }  // namespace eg::procman_sheriff

@@ -4,6 +4,7 @@
 
 #include "common/base/check.hpp"
 #include "common/base/id.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/result.hpp"
 
 namespace eg::base {
@@ -22,6 +23,14 @@ TEST(Id, IsInvalidUntilItHasAValue) {
 TEST(Id, CanBeHashed) {
   const std::unordered_set<TestId> ids = {TestId{1}, TestId{2}, TestId{1}};
   EXPECT_EQ(ids.size(), 2U);
+}
+
+TEST(Printable, LeavesTheTerminalAlone) {
+  EXPECT_EQ(printable("a\x1b[2Jb\tc\x7f\n"), "a [2Jb\tc  ");
+  EXPECT_EQ(printable("a\u009b2J"), "a 2J") << "xterm and others obey the control characters of U+0080 and up";
+  EXPECT_EQ(printable("Küche \u00a0\xc2"), "Küche \u00a0\xc2");
+  EXPECT_EQ(control_bytes_at("a\u0085", 0), 0U);
+  EXPECT_EQ(control_bytes_at("a\u0085", 1), 2U);
 }
 
 TEST(Result, HoldsAValueOrAReason) {

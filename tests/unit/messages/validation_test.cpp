@@ -261,11 +261,11 @@ TEST(Validation, AcceptsTheLargestMeshChunk) {
 TEST(Validation, ShortensTextsAndKeepsThemPrintable) {
   ControlReply reply;
   reply.service = std::string(63, 's') + "ü";  // two bytes: the second would be the 65th
-  reply.message = std::string("line\nescape\x1b[2J") + '\0' + "end";
+  reply.message = std::string("line\nescape\x1b[2J") + '\0' + "tab\t\u009b2Jend";
   const auto decoded = decode<ControlReply>(encode(reply));
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(decoded->service, std::string(63, 's'));
-  EXPECT_EQ(decoded->message, "line escape [2J end");
+  EXPECT_EQ(decoded->message, "line escape [2J tab  2Jend");
 }
 
 TEST(Validation, RefusesControlCharactersInTexts) {
