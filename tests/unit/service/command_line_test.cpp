@@ -92,6 +92,9 @@ class ConfigurationTest : public testing::Test {
 TEST_F(ConfigurationTest, ReadsItsSectionAndLeavesTheOthersAlone) {
   ASSERT_TRUE(read("mapper:\n  voxel: [1, 2]\ntracker:\n  radius: 5\n"));
   EXPECT_EQ(radius_, 5.0);
+  for (const char* other : {"frame_source", "feature_extractor", "egraph_server", "viewer"}) {
+    EXPECT_TRUE(read(std::string(other) + ":\n  key: 1\n")) << other;
+  }
 }
 
 TEST_F(ConfigurationTest, RejectsUnknownKeysWithTheirLine) {
