@@ -2,7 +2,9 @@
 
 #include <array>
 #include <fstream>
+#include <string>
 #include <system_error>
+#include <vector>
 
 namespace eg::run {
 namespace {
@@ -11,8 +13,33 @@ constexpr std::array kResultFiles = {
     "trajectory.txt",    "states.csv",        "keyframes.txt",   "egraph.json",       "map.ply",
     "mesh.ply",          "mesh.vdb",          "status.json",     "groundtruth.txt",   "picture.png",
     "log.txt",           "run.lcm",           "report.html",     "report_mesh_0.png", "report_mesh_1.png",
-    "report_mesh_2.png", "report_mesh_3.png", "graph-1.journal", "mapper.journal",    "tracker.journal",
-    "settings.yaml",     "map/sparse.map",    "map/dense.map",   "map.pcd",           "mesh.pcd"};
+    "report_mesh_2.png", "report_mesh_3.png", "mapper.journal",  "tracker.journal",   "settings.yaml",
+    "map/sparse.map",    "map/dense.map",     "map.pcd",         "mesh.pcd"};
+
+/// The server's graph of any session, which a run would go on with.
+bool is_graph_journal(const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  return name.starts_with("graph-") && name.ends_with(".journal");
+}
+
+base::Status remove_old(const std::filesystem::path& file) {
+  std::error_code failure;
+  std::filesystem::remove(file, failure);
+  return failure ? base::fail("cannot remove the old " + file.string() + ": " + failure.message()) : base::Status();
+}
+
+base::Status remove_graph_journals(const std::filesystem::path& folder) {
+  std::error_code failure;
+  std::vector<std::filesystem::path> journals;
+  for (std::filesystem::directory_iterator it(folder, failure), end; !failure && it != end; it.increment(failure)) {
+    if (is_graph_journal(it->path())) journals.push_back(it->path());
+  }
+  if (failure) return base::fail("cannot read the output folder " + folder.string() + ": " + failure.message());
+  for (const auto& journal : journals) {
+    if (auto removed = remove_old(journal); !removed) return removed;
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -21,9 +48,9 @@ base::Result<std::filesystem::path> prepare_out_folder(const std::filesystem::pa
   std::filesystem::create_directories(folder, failure);
   if (failure) return base::fail("cannot make the output folder " + folder.string() + ": " + failure.message());
   for (const char* name : kResultFiles) {
-    std::filesystem::remove(folder / name, failure);
-    if (failure) return base::fail("cannot remove the old " + (folder / name).string() + ": " + failure.message());
+    if (const auto removed = remove_old(folder / name); !removed) return tl::make_unexpected(removed.error());
   }
+  if (const auto removed = remove_graph_journals(folder); !removed) return tl::make_unexpected(removed.error());
   const std::filesystem::path probe = folder / "log.txt";
   if (!std::ofstream(probe)) return base::fail("cannot write to the output folder " + folder.string());
   return std::filesystem::absolute(folder);

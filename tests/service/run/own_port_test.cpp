@@ -54,6 +54,15 @@ TEST(OutFolder, RemovesResultsOfAnEarlierRunAndNothingElse) {
   EXPECT_TRUE(std::filesystem::exists(out / "notes.txt"));
 }
 
+TEST(OutFolder, RemovesTheGraphsOfEverySession) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"graph-1.journal", "graph--7.journal", "graph-paper.txt"}) folder.write(name, "old");
+  ASSERT_TRUE(prepare_out_folder(folder.path()));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "graph-1.journal"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "graph--7.journal")) << "of a log of session -7";
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "graph-paper.txt"));
+}
+
 TEST(OutFolder, SaysWhyItCannotBeMade) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("file", "");
