@@ -88,7 +88,8 @@ base::Status write_status(const std::filesystem::path& file, const RunOptions& o
                {"frames_per_second", frame_rate(monitor, report)}};
   if (report.errors) json["errors"] = to_json(*report.errors);
   for (const auto& [name, status] : monitor.statuses()) json["services"][name] = to_json(status);
-  return io::write_file_atomically(file, json.dump(2) + "\n");
+  // Names of folders and reasons are any bytes: what is no UTF-8 is replaced.
+  return io::write_file_atomically(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::string summarise(const std::filesystem::path& out, const RunMonitor& monitor, const RunReport& report) {
