@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,9 @@ int finish(const eg::base::Result<Report>& report, bool as_json) {
     std::fprintf(stderr, "egraph-eval: %s\n", report.error().message.c_str());
     return 1;
   }
-  std::fputs(as_json ? (report->json.dump(2) + "\n").c_str() : report->table.c_str(), stdout);
+  using Json = nlohmann::ordered_json;  // in which names of files that are no UTF-8 are replaced
+  const std::string text = report->json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::fputs(as_json ? text.c_str() : report->table.c_str(), stdout);
   return 0;
 }
 
@@ -109,15 +112,14 @@ CLI::App* add_runs_command(CLI::App& app, Arguments& arguments, const char* name
   CLI::App* command = app.add_subcommand(name, what);
   command->add_option("ROOT", arguments.root, "folder with recordings, at any depth")->required();
   command->add_option("--out", arguments.plan.out, "folder for the runs and the tables")->required();
-  command->add_option("--frames", arguments.plan.frames, "at most this many frames of each; 0: all");
+  command->add_option("--frames", arguments.plan.frames, "at most this many frames of each; 0: all")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--config", arguments.plan.config, "YAML configuration for egraph-run")->check(CLI::ExistingFile);
   command->add_flag("--keep", arguments.plan.keep, "use the results of earlier runs that are in --out");
   return command;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app("Measures results of E-Graph SLAM against ground truth and draws them.", "egraph-eval");
   app.require_subcommand(1);
   Arguments arguments;
@@ -170,4 +172,15 @@ int main(int argc, char** argv) {
   std::optional<MeshAlignment> alignment;
   if (*estimate) alignment = MeshAlignment{arguments.trajectory, arguments.groundtruth};
   return finish(report_mesh(arguments.estimate, arguments.reference, alignment), arguments.json);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& exception) {
+    std::fprintf(stderr, "egraph-eval: %s\n", exception.what());
+    return 1;
+  }
 }

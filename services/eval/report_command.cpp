@@ -3,15 +3,14 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <charconv>
-#include <fstream>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "common/base/read_stream.hpp"
 #include "common/io/atomic_file.hpp"
 #include "common/io/graph_json.hpp"
 #include "common/io/ply.hpp"
+#include "common/io/text_file.hpp"
 #include "common/io/trajectory_file.hpp"
 #include "common/report/run_report.hpp"
 
@@ -21,13 +20,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return base::read_stream(stream);
-}
+/// A file that a run may not have left is read only if it is there.
+fs::path if_there(const fs::path& file) { return fs::exists(file) ? file : fs::path(); }
 
+/// Nothing if there is no name.
 base::Status read_trajectory(const fs::path& file, std::vector<geometry::StampedPose>& poses) {
-  if (file.empty() || !fs::exists(file)) return {};
+  if (file.empty()) return {};
   auto read = io::read_trajectory(file);
   if (!read) return tl::make_unexpected(read.error());
   poses = std::move(*read);
@@ -35,9 +33,12 @@ base::Status read_trajectory(const fs::path& file, std::vector<geometry::Stamped
 }
 
 /// states.csv: sequence, time, state, and more that is not needed here.
-std::vector<report::StateSample> read_states(const fs::path& file) {
+base::Result<std::vector<report::StateSample>> read_states(const fs::path& file) {
   std::vector<report::StateSample> states;
-  std::istringstream lines(read_text(file));
+  if (file.empty()) return states;
+  const auto text = io::read_file(file);
+  if (!text) return tl::make_unexpected(text.error());
+  std::istringstream lines(*text);
   std::string line, sequence, time, state;
   std::getline(lines, line);  // names of the columns
   while (std::getline(lines, line)) {
@@ -69,8 +70,10 @@ report::ServiceSummary service_from(const std::string& name, const Json& json) {
 }
 
 base::Status read_status(const fs::path& file, report::RunResults& run) {
+  const auto text = io::read_file(file);
+  if (!text) return tl::make_unexpected(text.error());
   try {
-    const Json json = Json::parse(read_text(file));
+    const Json json = Json::parse(*text);
     run.input = json.at("input");
     run.mode = json.at("mode");
     run.outcome = json.at("result");
@@ -120,17 +123,22 @@ base::Result<Report> report_run(const ReportFiles& files, bool y_up) {
   report::RunResults run;
   run.view = eval::render_options_for(y_up);
   base::Status status = read_status(files.folder / "status.json", run);
-  if (status) status = read_trajectory(files.folder / "trajectory.txt", run.estimate);
+  if (status) status = read_trajectory(if_there(files.folder / "trajectory.txt"), run.estimate);
   if (status) status = read_trajectory(files.groundtruth, run.truth);
   if (status) status = draw_mesh(files.folder, run);
   if (!status) return tl::make_unexpected(status.error());
-  run.states = read_states(files.folder / "states.csv");
+  auto states = read_states(if_there(files.folder / "states.csv"));
+  if (!states) return tl::make_unexpected(states.error());
+  run.states = *std::move(states);
   if (fs::exists(files.folder / "egraph.json")) {
     auto graph = io::read_graph(files.folder / "egraph.json");
     if (!graph) return tl::make_unexpected(graph.error());
     run.graph = std::move(*graph);
   }
-  run.settings = files.config.empty() ? "all defaults" : read_text(files.config);
+  base::Result<std::string> settings = "all defaults";
+  if (!files.config.empty()) settings = io::read_file(files.config);
+  if (!settings) return tl::make_unexpected(settings.error());
+  run.settings = *std::move(settings);
   const fs::path out = files.folder / "report.html";
   const std::string html = report::write_report(run);
   if (const auto written = io::write_file_atomically(out, html); !written) return tl::make_unexpected(written.error());

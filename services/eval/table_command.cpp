@@ -68,7 +68,11 @@ base::Status print_table(const fs::path& root, const RunPlan& plan) {
   if (!found) return tl::make_unexpected(found.error());
   std::vector<eval::SequenceResult> results;
   for (const FoundSequence& sequence : *found) results.push_back(run_and_tell(sequence, plan, ""));
-  return publish(compare_with_published(results), plan.out, "table");
+  if (auto published = publish(compare_with_published(results), plan.out, "table"); !published) return published;
+  const auto failed =
+      std::count_if(results.begin(), results.end(), [](const auto& result) { return std::isnan(result.ate_rmse_m); });
+  if (failed == 0) return {};
+  return base::fail(std::to_string(failed) + " of " + std::to_string(results.size()) + " sequences failed, as said above");
 }
 
 base::Status print_ablation(const fs::path& root, const fs::path& configs, const RunPlan& plan) {

@@ -9,8 +9,10 @@
 #include "common/geometry/so3.hpp"
 #include "common/io/graph_json.hpp"
 #include "common/io/ply.hpp"
+#include "common/io/text_file.hpp"
 #include "common/io/trajectory_file.hpp"
 #include "common/synthetic/sequence.hpp"
+#include "services/eval/report_command.hpp"
 #include "tests/support/recording.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -161,6 +163,20 @@ TEST_F(EvalCommands, BadFilesAreNamed) {
   EXPECT_THAT(report_mesh(file("gt.txt"), file("ref.ply"), std::nullopt).error().message, HasSubstr("is no PLY file"));
 }
 
+constexpr const char* kStatus = R"({"input": "x", "mode": "lockstep", "result": "complete", "failure": "", "frames_done": 60,
+  "frames_with_pose": 60, "keyframes": 3, "wall_seconds": 1.0})";
+
+TEST_F(EvalCommands, AReportNeedsTheFilesThatItIsGiven) {
+  EXPECT_THAT(report_run({folder_.path(), {}, {}}, false).error().message, HasSubstr("status.json: cannot be read"));
+  folder_.write("status.json", kStatus);
+  EXPECT_THAT(report_run({folder_.path(), file("no.txt"), {}}, false).error().message, HasSubstr("no.txt: cannot be"));
+  EXPECT_THAT(report_run({folder_.path(), {}, file("no.yaml")}, false).error().message, HasSubstr("no.yaml: cannot be"));
+  const auto config = folder_.write("all.yaml", "tracker:\n  search:\n    radius: 19\n");
+  const auto report = report_run({folder_.path(), file("gt.txt"), config}, false);
+  ASSERT_TRUE(report.has_value()) << report.error().message;
+  EXPECT_THAT(*io::read_file(file("report.html")), HasSubstr("radius: 19"));
+}
+
 /// What a shell sees.
 int run(const std::string& arguments, std::string* output = nullptr) {
   const std::string command = std::string(EGRAPH_BIN_DIR) + "/egraph-eval " + arguments + " 2>&1";
@@ -181,6 +197,8 @@ TEST_F(EvalCommands, ExitCodesAndOneSentence) {
   EXPECT_NE(run("trajectory " + est, &output), 0);
   EXPECT_NE(run("", &output), 0);
   EXPECT_EQ(run("--help", &output), 0);
+  EXPECT_NE(run("table " + folder_.path().string() + " --out x --frames -1", &output), 0);
+  EXPECT_THAT(output, HasSubstr("--frames"));
 }
 
 }  // namespace

@@ -64,6 +64,19 @@ TEST_F(TableCommand, WritesTheTablesOfResultsThatAreKept) {
   EXPECT_FALSE(cv::imread((out_.path() / "table.png").string()).empty());
 }
 
+TEST_F(TableCommand, WritesTheTablesAndFailsIfASequenceHas) {
+  add_recording("icl_office_kt0");
+  add_recording("living_room_traj1_frei_png");
+  out_.write("icl_office_kt0/trajectory.txt", kPoses);
+  for (const char* name : {"icl_office_kt0", "living_room_traj1_frei_png"}) {
+    out_.write(std::string(name) + "/status.json", "{}");
+  }
+  const auto done = print_table(data_.path(), plan());
+  ASSERT_FALSE(done.has_value());
+  EXPECT_EQ(done.error().message, "1 of 2 sequences failed, as said above");
+  EXPECT_THAT(*io::read_file(out_.path() / "table.txt"), HasSubstr("office room 0     0.0000*"));
+}
+
 TEST_F(TableCommand, AnAblationHasAColumnPerConfiguration) {
   add_recording("icl_office_kt0");
   for (const char* variant : {"all on", "lines_off"}) {
