@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/check.hpp"
+#include "common/io/atomic_file.hpp"
 #include "common/io/dataset.hpp"
 #include "common/io/text_file.hpp"
 
@@ -74,6 +75,12 @@ base::Result<cv::Mat> read_image(const std::filesystem::path& path) {
   } catch (const cv::Exception&) {
     return bad_image(path, "image cannot be decoded");
   }
+}
+
+base::Status write_png(const std::filesystem::path& path, const cv::Mat& image) {
+  std::vector<std::uint8_t> bytes;
+  EG_CHECK(cv::imencode(".png", image, bytes), "OpenCV encodes every image of 8 or 16 bits");
+  return write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 base::Result<image::RgbdFrame> read_frame(const Dataset& dataset, std::size_t index,

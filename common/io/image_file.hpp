@@ -11,6 +11,9 @@ namespace eg::io {
 /// PNG, fails a checksum is an error: the decoders alone return such images half filled.
 base::Result<cv::Mat> read_image(const std::filesystem::path& path);
 
+/// Writes an image as PNG, whole or not at all, whatever the file's name ends with. 8 or 16 bits, not empty.
+base::Status write_png(const std::filesystem::path& path, const cv::Mat& image);
+
 /// Whether encoded bytes are a whole PNG (every chunk with its checksum, up to IEND) or a whole JPEG (every segment, up
 /// to the end-of-image marker). The error says what is wrong, without a path.
 base::Status check_image_is_whole(std::string_view bytes);

@@ -1,10 +1,9 @@
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "common/eval/render.hpp"
-#include "common/io/atomic_file.hpp"
 #include "common/io/graph_json.hpp"
+#include "common/io/image_file.hpp"
 #include "common/io/ply.hpp"
 #include "common/io/trajectory_file.hpp"
 #include "services/eval/commands.hpp"
@@ -56,12 +55,6 @@ GraphPicture picture_of(const egraph::GraphWithEdges& graph) {
   return picture;
 }
 
-base::Status write_png(const fs::path& path, const cv::Mat& image) {
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", image, bytes);
-  return io::write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-}
-
 }  // namespace
 
 base::Result<Report> render_picture(const PictureFiles& files, bool y_up, const fs::path& out) {
@@ -79,7 +72,7 @@ base::Result<Report> render_picture(const PictureFiles& files, bool y_up, const 
   const eval::Overview overview{
       {{mesh->vertices, mesh->triangles}, mesh->normals, mesh->colours}, *estimate, *reference, keyframes};
   const cv::Mat image = eval::render_overview(overview, eval::render_options_for(y_up));
-  if (const auto status = write_png(out, image); !status) return tl::make_unexpected(status.error());
+  if (const auto status = io::write_png(out, image); !status) return tl::make_unexpected(status.error());
   const std::string size = std::to_string(image.cols) + "x" + std::to_string(image.rows);
   return Report{out.string() + ": " + size + " picture of " + std::to_string(mesh->triangles.size()) + " triangles, " +
                     std::to_string(estimate->size()) + " poses and " + std::to_string(keyframes.size()) +
@@ -93,7 +86,7 @@ base::Result<Report> render_edges(const fs::path& graph_file, bool y_up, const f
   const GraphPicture picture = picture_of(*graph);
   const std::vector<eval::PlottedGraph> graphs = {picture.extensibility, picture.covisibility};
   const cv::Mat image = eval::render_graphs(picture.keyframes, graphs, eval::render_options_for(y_up));
-  if (const auto status = write_png(out, image); !status) return tl::make_unexpected(status.error());
+  if (const auto status = io::write_png(out, image); !status) return tl::make_unexpected(status.error());
   const std::size_t edges = picture.extensibility.edges.size();
   const std::size_t covisible = picture.covisibility.edges.size();
   return Report{out.string() + ": " + std::to_string(edges) + " edges of the E-Graph, " + std::to_string(covisible) +

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common/eval/published.hpp"
 #include "common/eval/result_table.hpp"
 #include "common/io/atomic_file.hpp"
+#include "common/io/image_file.hpp"
 
 namespace eg::service {
 namespace {
@@ -41,12 +41,9 @@ base::Status publish(const std::vector<eval::ResultTable>& tables, const fs::pat
   std::string text;
   for (const eval::ResultTable& table : tables) text.append(1, '\n').append(to_text(table));
   std::fputs(text.c_str(), stdout);
-  std::vector<std::uint8_t> picture;
-  cv::imencode(".png", draw_tables(tables), picture);
-  const std::string_view picture_bytes(reinterpret_cast<const char*>(picture.data()), picture.size());
   if (const auto done = io::write_file_atomically(folder / (name + ".txt"), text); !done) return done;
   if (const auto done = io::write_file_atomically(folder / (name + ".csv"), to_csv(tables)); !done) return done;
-  return io::write_file_atomically(folder / (name + ".png"), picture_bytes);
+  return io::write_png(folder / (name + ".png"), draw_tables(tables));
 }
 
 base::Result<std::vector<fs::path>> configurations_in(const fs::path& folder) {

@@ -1,8 +1,8 @@
 #include <CLI/CLI.hpp>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "common/features/feature_extractor.hpp"
@@ -54,9 +54,7 @@ eg::base::Status run(const Arguments& arguments) {
   if (arguments.repeats > 0) eg::features_tool::print_timings(std::cout, rectified, options, arguments.repeats);
 
   const cv::Mat drawing = eg::features_tool::draw_features(rectified.colour, extractor.plane_labels(), features);
-  if (!cv::imwrite(arguments.out.string(), drawing))
-    return eg::base::fail(arguments.out.string() + ": cannot be written");
-  return {};
+  return eg::io::write_png(arguments.out, drawing);
 }
 
 }  // namespace
@@ -78,8 +76,12 @@ int main(int argc, char** argv) {
       ->transform(CLI::CheckedTransformer(detectors));
   CLI11_PARSE(app, argc, argv);
 
-  const eg::base::Status status = run(arguments);
-  if (status) return 0;
-  std::cerr << "egraph-features: " << status.error().message << '\n';
+  try {
+    const eg::base::Status status = run(arguments);
+    if (status) return 0;
+    std::cerr << "egraph-features: " << status.error().message << '\n';
+  } catch (const std::exception& exception) {
+    std::cerr << "egraph-features: " << exception.what() << '\n';
+  }
   return 1;
 }

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <exception>
 #include <iostream>
 #include <map>
 #include <string>
@@ -57,9 +58,14 @@ int main(int argc, char** argv) {
 
   synthetic.extractor.lines.detector.kind = detector;
   sequence.extractor.lines.detector.kind = detector;
-  const eg::base::Status status = scenes_command->parsed() ? evaluate_scenes(scenes, synthetic)
-                                                           : eg::features_eval::evaluate_sequence(sequence, std::cout);
-  if (status) return 0;
-  std::cerr << "egraph-features-eval: " << status.error().message << '\n';
+  try {
+    const eg::base::Status status = scenes_command->parsed()
+                                        ? evaluate_scenes(scenes, synthetic)
+                                        : eg::features_eval::evaluate_sequence(sequence, std::cout);
+    if (status) return 0;
+    std::cerr << "egraph-features-eval: " << status.error().message << '\n';
+  } catch (const std::exception& exception) {
+    std::cerr << "egraph-features-eval: " << exception.what() << '\n';
+  }
   return 1;
 }

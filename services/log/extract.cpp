@@ -4,11 +4,11 @@
 
 #include <fstream>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "common/io/atomic_file.hpp"
 #include "common/io/camera_file.hpp"
+#include "common/io/image_file.hpp"
 #include "common/io/trajectory_file.hpp"
 #include "common/messages/channels.hpp"
 
@@ -98,8 +98,8 @@ base::Result<std::int64_t> extract_images(const std::filesystem::path& log, cons
     if (const auto written = io::write_file_atomically(folder / colour, view_of(frame->colour)); !written) {
       return tl::make_unexpected(written.error());
     }
-    if (!cv::imwrite((folder / depth).string(), images->depth)) {
-      return base::fail("cannot write " + (folder / depth).string());
+    if (const auto written = io::write_png(folder / depth, images->depth); !written) {
+      return tl::make_unexpected(written.error());
     }
     colour_list += fmt::format("{} {}\n", time, colour);
     depth_list += fmt::format("{} {}\n", time, depth);

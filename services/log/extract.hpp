@@ -24,8 +24,8 @@ base::Result<std::int64_t> extract_images(const std::filesystem::path& log, cons
 base::Result<std::int64_t> extract_poses(const std::filesystem::path& log, const Selection& selection,
                                          const std::filesystem::path& file);
 
-/// Writes the features as CSV, one per line: sequence, utime, kind and the numbers that describe_features() names in
-/// the first line. Returns how many.
+/// Writes the features as CSV, one per line: sequence, utime, kind and the numbers that the first line names. Returns
+/// how many.
 base::Result<std::int64_t> extract_features(const std::filesystem::path& log, const Selection& selection,
                                             const std::filesystem::path& file);
 
