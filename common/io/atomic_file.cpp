@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "common/io/write_all.hpp"
+
 namespace eg::io {
 namespace {
 
@@ -29,15 +31,7 @@ class TemporaryFile {
 
   [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
 
-  bool write(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return false;
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
-    return true;
-  }
+  bool write(std::string_view bytes) { return write_all(descriptor_, bytes); }
 
   bool flush() { return ::fsync(descriptor_) == 0; }
 

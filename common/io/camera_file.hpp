@@ -26,8 +26,7 @@ struct ResolvedCamera {
 
 /// The camera of a recording: `option` (a name or file) if given, else camera.yaml in the folder, else by the last two
 /// parts of the folder's path (docs/datasets.md: fr1 or freiburg1, ..., icl, living_room, of_kt2, ...), else an error
-/// that names
-/// --camera.
+/// that names --camera.
 base::Result<ResolvedCamera> resolve_camera(const std::filesystem::path& dataset_folder,
                                             const std::optional<std::string>& option);
 

@@ -1,7 +1,7 @@
-#include <array>
 #include <cstdint>
 #include <string_view>
 
+#include "common/io/crc.hpp"
 #include "common/io/image_file.hpp"
 
 namespace eg::io {
@@ -20,24 +20,6 @@ std::uint32_t big_endian_32(std::string_view bytes, std::size_t offset) {
   return value;
 }
 
-/// CRC-32 of ISO 3309, as PNG uses it (PNG specification, annex D), a byte at a time by table.
-constexpr std::array<std::uint32_t, 256> make_crc_table() {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t n = 0; n < 256; ++n) {
-    std::uint32_t c = n;
-    for (int k = 0; k < 8; ++k) c = (c & 1) ? 0xedb88320U ^ (c >> 1) : c >> 1;
-    table[n] = c;
-  }
-  return table;
-}
-
-std::uint32_t crc32(std::string_view bytes) {
-  static constexpr std::array<std::uint32_t, 256> kTable = make_crc_table();
-  std::uint32_t crc = 0xffffffffU;
-  for (const char c : bytes) crc = kTable[(crc ^ static_cast<std::uint8_t>(c)) & 0xff] ^ (crc >> 8);
-  return ~crc;
-}
-
 /// A PNG is a row of chunks: length, type, data, checksum of type and data.
 base::Status check_png(std::string_view bytes) {
   constexpr std::size_t kFraming = 12;
@@ -45,7 +27,7 @@ base::Status check_png(std::string_view bytes) {
     const std::size_t length = big_endian_32(bytes, offset);
     if (length > bytes.size() - offset - kFraming) break;
     const std::string_view type_and_data = bytes.substr(offset + 4, 4 + length);
-    if (crc32(type_and_data) != big_endian_32(bytes, offset + 8 + length)) return base::fail("PNG fails its checksum");
+    if (crc32<kCrcIso3309>(type_and_data) != big_endian_32(bytes, offset + 8 + length)) return base::fail("PNG fails its checksum");
     if (type_and_data.starts_with("IEND")) return {};
     offset += kFraming + length;
   }

@@ -12,22 +12,13 @@
 
 #include "common/io/atomic_file.hpp"
 #include "common/io/journal_format.hpp"
+#include "common/io/write_all.hpp"
 
 namespace eg::io {
 namespace {
 
 base::Status failed(const std::filesystem::path& path) {
   return base::fail(path.string() + ": cannot be written: " + std::strerror(errno));
-}
-
-bool write_all(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return true;
 }
 
 }  // namespace

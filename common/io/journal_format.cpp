@@ -1,8 +1,9 @@
-#include <array>
+#include "common/io/journal_format.hpp"
+
 #include <cstdint>
 #include <string>
 
-#include "common/io/journal_format.hpp"
+#include "common/io/crc.hpp"
 
 namespace eg::io {
 namespace {
@@ -22,30 +23,12 @@ Unsigned get(std::string_view bytes) {
   return value;
 }
 
-constexpr std::array<std::uint32_t, 256> make_crc_table() {
-  constexpr std::uint32_t kCastagnoli = 0x82f63b78U;  // reflected
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
-    std::uint32_t remainder = byte;
-    for (int bit = 0; bit < 8; ++bit) remainder = (remainder >> 1U) ^ ((remainder & 1U) != 0 ? kCastagnoli : 0U);
-    table[byte] = remainder;
-  }
-  return table;
-}
-
-std::uint32_t crc32c(std::string_view bytes, std::uint32_t crc = 0) {
-  static constexpr std::array<std::uint32_t, 256> kTable = make_crc_table();
-  crc = ~crc;
-  for (const char c : bytes) crc = (crc >> 8U) ^ kTable[(crc ^ static_cast<unsigned char>(c)) & 0xffU];
-  return ~crc;
-}
-
 /// Of length, kind and bytes: a wrong length would be taken for the next record's.
 std::uint32_t checksum_of(const JournalRecord& record) {
   std::string head;
   put(head, static_cast<std::uint32_t>(record.bytes.size()));
   head.push_back(static_cast<char>(record.kind));
-  return crc32c(record.bytes, crc32c(head));
+  return crc32<kCrcCastagnoli>(record.bytes, crc32<kCrcCastagnoli>(head));
 }
 
 std::string header(std::uint64_t schema) {

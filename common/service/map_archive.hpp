@@ -2,10 +2,9 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
 
 #include "common/io/journal.hpp"
-#include "common/messages/codec.hpp"
+#include "common/service/message_records.hpp"
 
 /// The map archive: the folder map/ in a run's results, from which a later session goes on. The tracker keeps the
 /// sparse map and its replica of the E-Graph in sparse.map, every mapper its grids and keyframe images in dense.map
@@ -23,25 +22,6 @@ inline constexpr char kDenseMapName[] = "dense";  ///< with a mapper's share beh
 inline std::filesystem::path file_in_archive(const std::filesystem::path& given, const std::string& name) {
   const std::filesystem::path inside = archive_folder(given) / name;
   return std::filesystem::exists(inside) ? inside : given / name;
-}
-
-/// Records of archives hold messages.
-inline std::string_view text_of(const messages::Bytes& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-inline messages::ByteView bytes_of(std::string_view text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
-
-/// Stands for the types of messages that the records of a file hold, in its header.
-template <typename... Messages>
-std::uint64_t schema_of() {
-  const auto fingerprint = [](const messages::Bytes& message) {
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < sizeof value; ++i) value = value << 8U | message[i];
-    return value;
-  };
-  return (fingerprint(messages::encode(Messages{})) ^ ...);
 }
 
 }  // namespace eg::service

@@ -17,13 +17,6 @@ constexpr int kPortsToTry = 100;
 
 std::string quoted(std::string_view text) { return std::string("'").append(text).append("'"); }
 
-/// Without ":8080" at the end; the colons of an IPv6 address in brackets stay.
-std::string_view without_port(std::string_view host) {
-  const std::size_t colon = host.rfind(':');
-  if (colon == std::string_view::npos || host.ends_with(']')) return host;
-  return host.substr(0, colon);
-}
-
 std::optional<std::uint16_t> parse_port(std::string_view digits) {
   std::uint16_t port = 0;
   const auto parsed = std::from_chars(digits.data(), digits.data() + digits.size(), port);
@@ -43,6 +36,12 @@ int try_to_bind(const addrinfo& address) {
 }
 
 }  // namespace
+
+std::string_view without_port(std::string_view host) {
+  const std::size_t colon = host.rfind(':');
+  if (colon == std::string_view::npos || host.ends_with(']')) return host;
+  return host.substr(0, colon);
+}
 
 base::Result<WebAddress> parse_web_address(std::string_view text) {
   std::string_view host = without_port(text);

@@ -17,6 +17,9 @@ struct WebAddress {
 /// Where a page is served unless somebody says otherwise: this machine only.
 inline constexpr char kDefaultWebAddress[] = "127.0.0.1:8080";
 
+/// A host without ":8080" behind it; the colons of an IPv6 address in brackets stay.
+std::string_view without_port(std::string_view host);
+
 /// "127.0.0.1:8080" or "[::1]:8080".
 base::Result<WebAddress> parse_web_address(std::string_view text);
 

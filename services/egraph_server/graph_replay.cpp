@@ -4,19 +4,10 @@
 
 #include "common/egraph/snapshot_parts.hpp"
 #include "common/io/journal.hpp"
+#include "common/service/message_records.hpp"
 
 namespace eg::services {
 namespace {
-
-messages::ByteView bytes_of(std::string_view text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
-
-std::uint64_t fingerprint(const messages::Bytes& message) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < sizeof(value); ++i) value = value << 8U | message[i];
-  return value;
-}
 
 class Replay {
  public:
@@ -41,7 +32,7 @@ class Replay {
 
   template <typename Message>
   base::Status take(std::string_view bytes) {
-    const auto message = messages::decode<Message>(bytes_of(bytes));
+    const auto message = messages::decode<Message>(service::bytes_of(bytes));
     if (!message) return tl::make_unexpected(message.error());
     if (message->session == session_) return put(*message);
     return base::fail("belongs to session " + std::to_string(message->session) + ", not " + std::to_string(session_));
@@ -68,9 +59,7 @@ class Replay {
 
 }  // namespace
 
-std::uint64_t journal_schema() {
-  return fingerprint(messages::encode(egraph::GraphUpdate{})) ^ fingerprint(messages::encode(egraph::GraphSnapshot{}));
-}
+std::uint64_t journal_schema() { return service::schema_of<egraph::GraphUpdate, egraph::GraphSnapshot>(); }
 
 base::Result<ReplayedGraph> replay_journal(std::string_view bytes, std::int64_t session) {
   auto contents = io::parse_journal(bytes, journal_schema());

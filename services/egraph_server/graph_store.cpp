@@ -10,6 +10,7 @@
 #include "common/egraph/snapshot_parts.hpp"
 #include "common/io/text_file.hpp"
 #include "common/messages/codec.hpp"
+#include "common/service/message_records.hpp"
 #include "services/egraph_server/graph_replay.hpp"
 
 namespace eg::services {
@@ -22,10 +23,6 @@ constexpr std::string_view kExtension = ".journal";
 
 /// Updates repeat landmarks: a journal that has grown to this multiple of its first length is rewritten as a snapshot.
 constexpr std::size_t kCompactionFactor = 4;
-
-std::string_view text_of(const messages::Bytes& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 tl::unexpected<base::Error> about(const fs::path& path, const std::string& what) {
   return base::fail(path.string() + ": " + what);
@@ -100,7 +97,7 @@ base::Status GraphStore::append(const egraph::GraphUpdate& update, const egraph:
   }
   if (!follows || journal_->size() > compact_at_) return replace(builder.graph(), builder.recent_updates());
   const messages::Bytes bytes = messages::encode(update);
-  const auto written = journal_->append({static_cast<std::uint8_t>(RecordKind::update), text_of(bytes)});
+  const auto written = journal_->append({static_cast<std::uint8_t>(RecordKind::update), service::text_of(bytes)});
   if (!written) return written;
   version_ = update.version;
   return {};
@@ -110,7 +107,7 @@ base::Status GraphStore::replace(const egraph::Graph& graph, const std::deque<eg
   std::deque<messages::Bytes> messages;  // stay where they are: the records point into them
   std::vector<io::JournalRecord> records;
   const auto add = [&](RecordKind kind, messages::Bytes message) {
-    records.push_back({static_cast<std::uint8_t>(kind), text_of(messages.emplace_back(std::move(message)))});
+    records.push_back({static_cast<std::uint8_t>(kind), service::text_of(messages.emplace_back(std::move(message)))});
   };
   for (const egraph::GraphSnapshot& part : egraph::split(graph.snapshot(session_))) {
     add(RecordKind::snapshot_part, messages::encode(part));

@@ -2,7 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <fstream>
 #include <map>
 #include <vector>
 
@@ -11,15 +10,13 @@
 #include "common/io/image_file.hpp"
 #include "common/io/trajectory_file.hpp"
 #include "common/messages/channels.hpp"
+#include "common/service/message_records.hpp"
+#include "common/transport/event_log.hpp"
 
 namespace eg::log_tool {
 namespace {
 
 constexpr double kSeconds = 1e-6;  // per microsecond
-
-std::string_view view_of(const messages::Bytes& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 /// Every valid message of type T on a channel, by its frame's sequence number; of repeated ones the last. Messages of
 /// sessions that are not selected are left out; an error if that leaves it open which session is meant.
@@ -95,7 +92,7 @@ base::Result<std::int64_t> extract_images(const std::filesystem::path& log, cons
     const std::string colour =
         "rgb/" + time + (frame->colour_encoding == codec::ColourEncoding::jpeg ? ".jpg" : ".png");
     const std::string depth = "depth/" + time + ".png";
-    if (const auto written = io::write_file_atomically(folder / colour, view_of(frame->colour)); !written) {
+    if (const auto written = io::write_file_atomically(folder / colour, service::text_of(frame->colour)); !written) {
       return tl::make_unexpected(written.error());
     }
     if (const auto written = io::write_png(folder / depth, images->depth); !written) {

@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "common/transport/web_address.hpp"
+
 namespace eg::services {
 namespace {
 
@@ -12,17 +14,10 @@ std::optional<std::int32_t> parse_number(std::string_view digits) {
   return whole ? std::optional(number) : std::nullopt;
 }
 
-/// Without ":8080" at the end; the colons of an IPv6 address in brackets stay.
-std::string_view without_port(std::string_view host) {
-  const std::size_t colon = host.rfind(':');
-  if (colon == std::string_view::npos || host.ends_with(']')) return host;
-  return host.substr(0, colon);
-}
-
 }  // namespace
 
 bool names_this_machine(std::string_view host_header) {
-  const std::string_view host = without_port(host_header);
+  const std::string_view host = transport::without_port(host_header);
   return host == "localhost" || host == "[::1]" ||
          (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string_view::npos);
 }
