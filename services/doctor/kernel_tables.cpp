@@ -6,7 +6,8 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+
+#include "common/base/read_stream.hpp"
 
 namespace eg::doctor {
 namespace {
@@ -30,9 +31,10 @@ std::optional<Number> parse(std::string_view word, int base = 10) {
 }
 
 bool has_open(const std::filesystem::path& process, const std::string& link) {
-  std::error_code error;
-  for (const auto& descriptor : std::filesystem::directory_iterator(process / "fd", error)) {
-    if (std::filesystem::read_symlink(descriptor.path(), error) == link) return true;
+  std::error_code ended;  // what a process that ends meanwhile has left is nothing to throw about
+  std::error_code closed;
+  for (std::filesystem::directory_iterator it(process / "fd", ended), end; !ended && it != end; it.increment(ended)) {
+    if (std::filesystem::read_symlink(it->path(), closed) == link) return true;
   }
   return false;
 }
@@ -41,9 +43,7 @@ bool has_open(const std::filesystem::path& process, const std::string& link) {
 
 std::string read_table(const char* path) {
   std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+  return base::read_stream(file);
 }
 
 std::optional<std::int64_t> snmp_counter(std::string_view snmp, std::string_view protocol, std::string_view counter) {

@@ -32,7 +32,6 @@ class RunMonitor {
   void update(Clock::time_point now);
 
   [[nodiscard]] std::int64_t frames_done() const;  ///< finished by all consumers (lockstep), or tracked (real time)
-  [[nodiscard]] std::int64_t frames_sent() const { return end_ ? end_->frame_count : 0; }
   [[nodiscard]] std::int64_t frames_skipped() const;
   [[nodiscard]] std::int64_t poses() const { return poses_; }  ///< frames with a pose
   [[nodiscard]] std::int64_t keyframes() const { return keyframes_; }
