@@ -198,6 +198,15 @@ TEST_F(FrameSource, RealtimeStartsWhenAllConsumersAreThereAndKeepsTheRecordingsP
   EXPECT_EQ(ends_[0].frame_count, 5);
 }
 
+TEST(RealtimePacer, KnowsMappersThatShareTheSpaceByTheNameTheyReportUnder) {
+  services::RealtimePacer pacer({"tracker", "mapper.0", "mapper.1"});
+  pacer.heard_of("tracker");
+  pacer.heard_of("map");
+  EXPECT_FALSE(pacer.until(0, 0).has_value());
+  pacer.heard_of("mapper");
+  EXPECT_EQ(pacer.until(0, 0), 0);
+}
+
 TEST_F(FrameSource, RealtimeDoesNotWaitLongerThanTenSeconds) {
   start(std::make_unique<FakeInput>(3), false);
   run(9.9);
