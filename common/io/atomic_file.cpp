@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <ostream>
 #include <streambuf>
@@ -78,6 +79,15 @@ class FileBuffer : public std::streambuf {
 };
 
 }  // namespace
+
+base::Status check_writable(const std::filesystem::path& folder) {
+  std::string name = (folder / ".egraph-probe-XXXXXX").string();
+  const int descriptor = ::mkstemp(name.data());
+  if (descriptor < 0) return base::fail(folder.string() + ": cannot be written to: " + std::strerror(errno));
+  ::close(descriptor);
+  ::unlink(name.c_str());
+  return {};
+}
 
 base::Status write_file_atomically(const std::filesystem::path& path, std::string_view bytes, Durability durability) {
   const auto failed = [&] { return base::fail(path.string() + ": cannot be written: " + std::strerror(errno)); };

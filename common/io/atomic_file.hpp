@@ -15,6 +15,9 @@ enum class Durability {
   machine,  ///< a loss of power too; waits for the disk
 };
 
+/// Whether files can be made in a folder, which is there. The error names it and says why not.
+base::Status check_writable(const std::filesystem::path& folder);
+
 /// Writes a file whole or not at all: the bytes go into a temporary file in the same folder, which is then renamed, so
 /// that a reader, a crash or a full disk never leaves half a file under `path`. The error names the path and says why.
 base::Status write_file_atomically(const std::filesystem::path& path, std::string_view bytes,

@@ -4,6 +4,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/io/atomic_file.hpp"
+
 namespace eg::service {
 namespace {
 
@@ -46,6 +48,7 @@ base::Status ServiceGroup::add(transport::Bus& bus, const ServiceProgram& progra
     std::error_code failure;
     std::filesystem::create_directories(options.out, failure);
     if (failure) return base::fail("cannot make the folder " + options.out.string() + ": " + failure.message());
+    if (const auto writable = io::check_writable(options.out); !writable) return writable;
   }
   auto member = std::make_unique<Member>(bus, options);
   auto service = program.make(member->context);

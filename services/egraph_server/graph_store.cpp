@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/egraph/snapshot_parts.hpp"
+#include "common/io/atomic_file.hpp"
 #include "common/io/text_file.hpp"
 #include "common/messages/codec.hpp"
 #include "common/service/message_records.hpp"
@@ -65,6 +66,7 @@ base::Status GraphStore::prepare_folder(const fs::path& folder) {
   std::error_code failure;
   fs::create_directories(folder, failure);
   if (failure) return about(folder, "cannot be made: " + failure.message());
+  if (const auto writable = io::check_writable(folder); !writable) return writable;
   for (const auto& entry : fs::directory_iterator(folder, failure)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kPrefix) || !name.ends_with(kExtension)) continue;

@@ -1,10 +1,11 @@
 #include "services/run/out_folder.hpp"
 
 #include <array>
-#include <fstream>
 #include <string>
 #include <system_error>
 #include <vector>
+
+#include "common/io/atomic_file.hpp"
 
 namespace eg::run {
 namespace {
@@ -47,12 +48,11 @@ base::Result<std::filesystem::path> prepare_out_folder(const std::filesystem::pa
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure) return base::fail("cannot make the output folder " + folder.string() + ": " + failure.message());
+  if (const auto writable = io::check_writable(folder); !writable) return tl::make_unexpected(writable.error());
   for (const char* name : kResultFiles) {
     if (const auto removed = remove_old(folder / name); !removed) return tl::make_unexpected(removed.error());
   }
   if (const auto removed = remove_graph_journals(folder); !removed) return tl::make_unexpected(removed.error());
-  const std::filesystem::path probe = folder / "log.txt";
-  if (!std::ofstream(probe)) return base::fail("cannot write to the output folder " + folder.string());
   return std::filesystem::absolute(folder);
 }
 

@@ -23,6 +23,15 @@ TEST(AtomicFile, WritesAndReplaces) {
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
+TEST(CheckWritable, SaysWhyNotAndLeavesNothing) {
+  test::TemporaryFolder folder;
+  EXPECT_TRUE(check_writable(folder.path()).has_value());
+  EXPECT_EQ(files_in(folder.path()), 0U);
+  const auto status = check_writable("/proc/self/task");
+  ASSERT_FALSE(status.has_value());
+  EXPECT_TRUE(status.error().message.starts_with("/proc/self/task: cannot be written to: ")) << status.error().message;
+}
+
 TEST(AtomicFile, FailureKeepsTheOldFileAndLeavesNothing) {
   test::TemporaryFolder folder;
   folder.write("target/inside", "kept");

@@ -64,6 +64,13 @@ class ServiceGroupTest : public testing::Test {
   ServiceOptions options_;
 };
 
+TEST_F(ServiceGroupTest, RefusesAFolderThatCannotBeWrittenTo) {
+  options_.out = "/proc/self/task";
+  const auto group = make({});
+  ASSERT_FALSE(group);
+  EXPECT_THAT(group.error().message, HasSubstr("/proc/self/task: cannot be written to"));
+}
+
 TEST_F(ServiceGroupTest, RobotsShareNothing) {
   const auto group = make({"a_", "b_"});
   ASSERT_TRUE(group) << group.error().message;
