@@ -35,7 +35,8 @@ void FeatureExtractorService::handle_frame(const image::RgbdFrame& frame) {
   context_.publish(messages::channels::kFeatures, answers_.back());
 
   const auto latency = std::chrono::steady_clock::now() - start;
-  context_.status().count_sequence(frame.header.session, frame.header.sequence);
+  // In lockstep what is missing comes again.
+  if (!context_.options().lockstep) context_.status().count_sequence(frame.header.session, frame.header.sequence);
   context_.status().count_frame(std::chrono::duration<double, std::milli>(latency).count());
 }
 
