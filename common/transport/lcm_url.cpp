@@ -129,6 +129,10 @@ base::Status check_multicast_route(std::string_view url) {
   if (inet_pton(AF_INET, group.c_str(), &address) != 1) {
     return base::fail("'" + group + "' in the LCM URL " + std::string(url) + " is no IPv4 address");
   }
+  if (!IN_MULTICAST(ntohl(address.s_addr))) {
+    return base::fail("'" + group + "' in the LCM URL " + std::string(url) +
+                      " is no multicast address (224.0.0.0 to 239.255.255.255)");
+  }
   if (!has_route(address)) {
     return base::fail("there is no multicast route to " + group +
                       ": run `ip link set lo up; ip route add 224.0.0.0/4 dev lo` as root");

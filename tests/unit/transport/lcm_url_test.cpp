@@ -57,6 +57,8 @@ TEST(LcmUrl, RefusesGroupsThatAreNoAddress) {
   const auto status = check_multicast_route("udpm://somewhere:7667?ttl=0");
   ASSERT_FALSE(status);
   EXPECT_THAT(status.error().message, HasSubstr("'somewhere'"));
+  EXPECT_THAT(check_multicast_route("udpm://10.0.0.1:7667").error().message,
+              HasSubstr("'10.0.0.1' in the LCM URL udpm://10.0.0.1:7667 is no multicast address"));
 }
 
 }  // namespace
