@@ -102,7 +102,7 @@ CLI::App* add_cloud_command(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0.001, 1.0))
       ->capture_default_str();
   command->add_option("--max-depth", arguments.cloud_options.max_depth, "leave out farther readings, metres; 0: none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command->add_flag("--json", arguments.json, "print JSON");
   return command;
@@ -113,7 +113,7 @@ CLI::App* add_runs_command(CLI::App& app, Arguments& arguments, const char* name
   command->add_option("ROOT", arguments.root, "folder with recordings, at any depth")->required();
   command->add_option("--out", arguments.plan.out, "folder for the runs and the tables")->required();
   command->add_option("--frames", arguments.plan.frames, "at most this many frames of each; 0: all")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
   command->add_option("--config", arguments.plan.config, "YAML configuration for egraph-run")->check(CLI::ExistingFile);
   command->add_flag("--keep", arguments.plan.keep, "use the results of earlier runs that are in --out");
   return command;

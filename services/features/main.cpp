@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   app.add_option("--camera", arguments.camera, "Name of a camera model, or a YAML file")->required();
   app.add_option("--out", arguments.out, "Picture to write (.png)")->required();
   app.add_option("--repeat", arguments.repeats, "Runs to take the mean time of; 0: no timing")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   app.add_option("--line-detector", arguments.line_detector, "lsd or edlines")
       ->transform(CLI::CheckedTransformer(detectors));

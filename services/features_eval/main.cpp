@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   app.get_subcommand("synthetic")->add_option("SCENE", scenes, "names of scenes")->capture_default_str();
   app.get_subcommand("synthetic")
       ->add_option("--frames", synthetic.frames, "spread over the scene's trajectory")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
 
   SequenceEvaluationOptions sequence;
@@ -51,9 +51,9 @@ int main(int argc, char** argv) {
   sequence_command->add_option("DIR", sequence.folder, "TUM or ICL-NUIM folder with ground truth")->required();
   sequence_command->add_option("--camera", sequence.camera, "name of a camera model, or a YAML file")->required();
   sequence_command->add_option("--frames", sequence.max_frames, "only that many; 0: all")
-      ->check(CLI::NonNegativeNumber);
-  sequence_command->add_option("--threads", sequence.threads,
-                               "for one frame's features; 0: as many as there are cores");
+      ->check(CLI::Range(0, 1'000'000));
+  sequence_command->add_option("--threads", sequence.threads, "for one frame's features; 0: as many as there are cores")
+      ->check(CLI::Range(0, 1024));
   CLI11_PARSE(app, argc, argv);
 
   synthetic.extractor.lines.detector.kind = detector;

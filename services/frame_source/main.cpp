@@ -40,10 +40,10 @@ void add_options(CLI::App& app, services::FrameSourceOptions& options, LiveOptio
   app.add_option("--depth-noise", options.input.depth_noise,
                  "Add the noise of a structured-light camera to the data set's depth, with this seed; 0: none")
       ->envname("EGRAPH_DEPTH_NOISE")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
   app.add_option("--frames", options.input.max_frames, "Read at most this many frames; 0: all")
       ->envname("EGRAPH_FRAMES")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
   app.add_option("--consumers", options.consumers, "Services that acknowledge every frame")
       ->envname("EGRAPH_CONSUMERS")
       ->delimiter(',')

@@ -47,10 +47,11 @@ int main(int argc, char** argv) {
   app.add_flag("--no-mapper", no_mapper, "Without the dense map");
   app.add_option("--config", options.config, "YAML configuration with a section for each service")
       ->check(CLI::ExistingFile);
-  app.add_option("--frames", options.frames, "Process at most this many frames; 0: all")->check(CLI::NonNegativeNumber);
+  app.add_option("--frames", options.frames, "Process at most this many frames; 0: all")
+      ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
   app.add_option("--depth-noise", options.depth_noise,
                  "Add the noise of a structured-light camera to the data set's depth, with this seed; 0: none")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
   app.add_flag("--report", options.report, "Describe the run in one report.html, with pictures and plots");
   app.add_flag("--view", options.view,
                "Show the run in web browsers; on a terminal until Ctrl-C, also when it is over");

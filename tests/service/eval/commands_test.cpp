@@ -198,7 +198,7 @@ TEST_F(EvalCommands, ExitCodesAndOneSentence) {
   EXPECT_NE(run("", &output), 0);
   EXPECT_EQ(run("--help", &output), 0);
   EXPECT_NE(run("table " + folder_.path().string() + " --out x --frames -1", &output), 0);
-  EXPECT_THAT(output, HasSubstr("--frames"));
+  EXPECT_THAT(output, HasSubstr("--frames: Value -1 not in range 0 to 9223372036854775807"));
 }
 
 }  // namespace
