@@ -1,8 +1,13 @@
 #include "services/run/out_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+
 #include <array>
+#include <cerrno>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "common/io/atomic_file.hpp"
@@ -10,12 +15,12 @@
 namespace eg::run {
 namespace {
 
-constexpr std::array kResultFiles = {
-    "trajectory.txt",    "states.csv",        "keyframes.txt",   "egraph.json",       "map.ply",
-    "mesh.ply",          "mesh.vdb",          "status.json",     "groundtruth.txt",   "picture.png",
-    "log.txt",           "run.lcm",           "report.html",     "report_mesh_0.png", "report_mesh_1.png",
-    "report_mesh_2.png", "report_mesh_3.png", "mapper.journal",  "tracker.journal",   "settings.yaml",
-    "map/sparse.map",    "map/dense.map",     "map.pcd",         "mesh.pcd"};
+constexpr std::array kResultFiles = {"trajectory.txt",    "states.csv",        "keyframes.txt",     "egraph.json",
+                                     "map.ply",           "mesh.ply",          "mesh.vdb",          "status.json",
+                                     "groundtruth.txt",   "picture.png",       "log.txt",           "run.lcm",
+                                     "report.html",       "report_mesh_0.png", "report_mesh_1.png", "report_mesh_2.png",
+                                     "report_mesh_3.png", "mapper.journal",    "tracker.journal",   "settings.yaml",
+                                     "map/sparse.map",    "map/dense.map",     "map.pcd",           "mesh.pcd"};
 
 /// The server's graph of any session, which a run would go on with.
 bool is_graph_journal(const std::filesystem::path& file) {
@@ -44,16 +49,21 @@ base::Status remove_graph_journals(const std::filesystem::path& folder) {
 
 }  // namespace
 
-base::Result<std::filesystem::path> prepare_out_folder(const std::filesystem::path& folder) {
+base::Result<OutFolder> prepare_out_folder(const std::filesystem::path& folder) {
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure) return base::fail("cannot make the output folder " + folder.string() + ": " + failure.message());
   if (const auto writable = io::check_writable(folder); !writable) return tl::make_unexpected(writable.error());
+  procman::FileDescriptor lock(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    return base::fail("the output folder " + folder.string() +
+                      " is in use by another egraph-run; choose another for --out");
+  }
   for (const char* name : kResultFiles) {
     if (const auto removed = remove_old(folder / name); !removed) return tl::make_unexpected(removed.error());
   }
   if (const auto removed = remove_graph_journals(folder); !removed) return tl::make_unexpected(removed.error());
-  return std::filesystem::absolute(folder);
+  return OutFolder{std::filesystem::absolute(folder), std::move(lock)};
 }
 
 }  // namespace eg::run

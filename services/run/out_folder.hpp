@@ -3,11 +3,19 @@
 #include <filesystem>
 
 #include "common/base/result.hpp"
+#include "common/procman/file_descriptor.hpp"
 
 namespace eg::run {
 
-/// Makes the folder for results, removes what an earlier run left in it (known result files only), and checks that it
-/// can be written to. Returns its absolute path.
-base::Result<std::filesystem::path> prepare_out_folder(const std::filesystem::path& folder);
+/// The folder for a run's results. While this object lives no other run takes it: the services of two would write into
+/// each other's journals.
+struct OutFolder {
+  std::filesystem::path path;    ///< absolute
+  procman::FileDescriptor lock;  ///< of the folder itself, so that nothing is left behind in any case
+};
+
+/// Makes the folder, checks that it can be written to and that no other run has it, and removes what an earlier run
+/// left in it (known result files only).
+base::Result<OutFolder> prepare_out_folder(const std::filesystem::path& folder);
 
 }  // namespace eg::run

@@ -162,19 +162,19 @@ int run(const RunOptions& options, const StopCount& stops) {
 
   std::printf("%s: %lld frames, %s\n", input->description.c_str(), static_cast<long long>(input->frames),
               options.realtime ? "in real time" : "in lockstep");
-  set_environment(options, *input, *out, port->url());
+  set_environment(options, *input, out->path, port->url());
   set_environment("EGRAPH_HTTP", *web);
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   const Clock::time_point start = Clock::now();
-  auto sheriff =
-      SheriffProcess::start({own_folder() / "procman-sheriff", *configuration, script_name(options), *out / "log.txt"});
+  auto sheriff = SheriffProcess::start(
+      {own_folder() / "procman-sheriff", *configuration, script_name(options), out->path / "log.txt"});
   if (!sheriff) return report_failure(sheriff.error().message);
   Session session(options, *input, **bus, *sheriff, stops);
   session.run();
   if (const std::size_t count = kill_leftovers(); count > 0)
     spdlog::warn("{} processes were left and were killed", count);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count() - session.viewing_seconds();
-  return conclude(options, *input, *out, session, seconds);
+  return conclude(options, *input, out->path, session, seconds);
 }
 
 }  // namespace eg::run

@@ -49,9 +49,21 @@ TEST(OutFolder, RemovesResultsOfAnEarlierRunAndNothingElse) {
   std::ofstream(out / "notes.txt") << "mine";
   const auto prepared = prepare_out_folder(out);
   ASSERT_TRUE(prepared);
-  EXPECT_TRUE(prepared->is_absolute());
+  EXPECT_TRUE(prepared->path.is_absolute());
   EXPECT_FALSE(std::filesystem::exists(out / "mesh.ply"));
   EXPECT_TRUE(std::filesystem::exists(out / "notes.txt"));
+}
+
+TEST(OutFolder, BelongsToOneRunAtATime) {
+  const test::TemporaryFolder folder;
+  {
+    const auto first = prepare_out_folder(folder.path());
+    ASSERT_TRUE(first);
+    folder.write("mesh.ply", "of the first run");
+    EXPECT_THAT(prepare_out_folder(folder.path()).error().message, HasSubstr("is in use by another egraph-run"));
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "mesh.ply"));
+  }
+  EXPECT_TRUE(prepare_out_folder(folder.path()));
 }
 
 TEST(OutFolder, RemovesTheGraphsOfEverySession) {
