@@ -19,7 +19,7 @@ constexpr std::array kResultFiles = {"trajectory.txt",    "states.csv",        "
                                      "map.ply",           "mesh.ply",          "mesh.vdb",          "status.json",
                                      "groundtruth.txt",   "picture.png",       "log.txt",           "run.lcm",
                                      "report.html",       "report_mesh_0.png", "report_mesh_1.png", "report_mesh_2.png",
-                                     "report_mesh_3.png", "mapper.journal",    "tracker.journal",   "settings.yaml",
+                                     "report_mesh_3.png", "mapper.journal",    "tracker.journal",   kSettingsFile,
                                      "map/sparse.map",    "map/dense.map",     "map.pcd",           "mesh.pcd"};
 
 /// The server's graph of any session, which a run would go on with.

@@ -7,6 +7,9 @@
 
 namespace eg::run {
 
+/// Every setting of every service, beside a report.
+inline constexpr char kSettingsFile[] = "settings.yaml";
+
 /// The folder for a run's results. While this object lives no other run takes it: the services of two would write into
 /// each other's journals.
 struct OutFolder {

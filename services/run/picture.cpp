@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/procman/run_program.hpp"
+#include "services/run/out_folder.hpp"
 
 namespace eg::run {
 namespace {
@@ -49,7 +50,7 @@ base::Status draw_picture(const std::filesystem::path& egraph_eval, const std::f
 
 base::Status write_report_page(const std::filesystem::path& programs, const std::filesystem::path& out,
                                const Input& input) {
-  const std::filesystem::path settings = out / "settings.yaml";
+  const std::filesystem::path settings = out / kSettingsFile;
   if (const auto written = write_settings(programs, settings); !written) return written;
   std::vector<std::string> words = {(programs / "egraph-eval").string(), "report", out.string(), "--config",
                                     settings.string()};

@@ -43,6 +43,11 @@ base::Result<std::filesystem::path> find_configuration(const RunOptions& options
   return file;
 }
 
+bool is_same(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code none;
+  return std::filesystem::equivalent(a, b, none);
+}
+
 /// The results of a run replace those of an earlier one, which must not be the map that it goes on in.
 base::Status check_map_to_load(const RunOptions& options) {
   if (options.load.empty()) return {};
@@ -50,9 +55,22 @@ base::Status check_map_to_load(const RunOptions& options) {
   if (!std::filesystem::exists(file)) {
     return base::fail("--load: " + options.load.string() + " holds no map archive (map/sparse.map)");
   }
-  std::error_code none;
-  if (std::filesystem::equivalent(options.load, options.out, none)) {
+  if (is_same(file, service::archive_folder(options.out) / service::kSparseMapFile)) {
     return base::fail("--load and --out name the same folder: the map would be replaced by what goes on in it");
+  }
+  return {};
+}
+
+/// Nor must they be the recording, whose ground truth may be called as that of a run, or the configuration.
+base::Status check_input_is_elsewhere(const RunOptions& options) {
+  for (const std::string& folder : {options.dataset, options.observations}) {
+    if (!is_same(folder, options.out)) continue;
+    return base::fail("the recording is in the folder of --out, " + folder +
+                      ", where results would take the place of its files: choose another");
+  }
+  if (is_same(options.config, options.out / kSettingsFile)) {
+    return base::fail("--config: " + options.config.string() +
+                      " would be replaced by this run's: choose another --out");
   }
   return {};
 }
@@ -151,6 +169,7 @@ int run(const RunOptions& options, const StopCount& stops) {
   const auto configuration = find_configuration(options);
   if (!configuration) return report_failure(configuration.error().message);
   if (const auto map = check_map_to_load(options); !map) return report_failure(map.error().message);
+  if (const auto apart = check_input_is_elsewhere(options); !apart) return report_failure(apart.error().message);
   const auto out = prepare_out_folder(options.out);
   if (!out) return report_failure(out.error().message);
   const auto port = options.lcm_url.empty() ? OwnPort::find() : OwnPort::take(options.lcm_url);

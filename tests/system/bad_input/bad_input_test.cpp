@@ -115,6 +115,27 @@ TEST_F(BadInput, AnOutputFolderThatCannotBe) {
   EXPECT_THAT(run.output(), HasSubstr("cannot make the output folder"));
 }
 
+TEST_F(BadInput, ResultsThatWouldReplaceWhatTheyAreMadeOf) {
+  const auto refusal = [](const std::vector<std::string>& arguments) {
+    Program run("egraph-run", arguments);
+    EXPECT_EQ(run.wait(), 1);
+    return run.output();
+  };
+  write("groundtruth.txt", "true");
+  EXPECT_THAT(refusal({"--dataset", recording_.string(), "--out", recording_.string() + "/."}),
+              HasSubstr("the recording is in the folder of --out"));
+  EXPECT_EQ(file_bytes(recording_ / "groundtruth.txt"), "true");
+
+  const fs::path out = folder_.write("out/map/sparse.map", "a map").parent_path().parent_path();
+  const fs::path settings = folder_.write("out/settings.yaml", "tracker:\n");
+  EXPECT_THAT(refusal({"--dataset", recording_.string(), "--out", out.string(), "--load", (out / "map").string()}),
+              HasSubstr("--load and --out name the same folder"));
+  EXPECT_THAT(refusal({"--dataset", recording_.string(), "--out", out.string(), "--config", settings.string()}),
+              HasSubstr("settings.yaml would be replaced"));
+  EXPECT_EQ(file_bytes(out / "map/sparse.map"), "a map");
+  EXPECT_EQ(file_bytes(settings), "tracker:\n");
+}
+
 TEST_F(BadInput, NoRouteForMulticast) {
   if (std::system("unshare -n true 2>/dev/null") != 0) GTEST_SKIP() << "only root can make a network without routes";
   const fs::path said = folder_.path() / "said.txt";
