@@ -108,6 +108,10 @@ void set_environment(const RunOptions& options, const Input& input, const std::f
   set_environment("EGRAPH_LOG_CHANNEL", options.log_channel);
   set_environment("EGRAPH_GROUND_TRUTH",
                   input.ground_truth.empty() ? "" : std::filesystem::absolute(input.ground_truth).string());
+  // What this machine's own services may be told otherwise: a run is for one robot, on one input, and begins anew.
+  for (const char* name : {"EGRAPH_STATE", "EGRAPH_ROBOTS", "EGRAPH_TILES", "EGRAPH_LIVE", "EGRAPH_OPENNI"}) {
+    set_environment(name, "");
+  }
 }
 
 /// Kills what the sheriff may have left (only if it was itself killed). Returns how many processes there were.

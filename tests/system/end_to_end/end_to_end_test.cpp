@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <thread>
+#include <utility>
 
 #include "common/eval/trajectory_errors.hpp"
 #include "common/io/graph_json.hpp"
@@ -46,12 +48,20 @@ class EndToEnd : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-// The two runs go on at the same time: they must not hear each other.
+/// What a robot's own services may be told by the environment.
+constexpr std::pair<const char*, const char*> kForServices[] = {{"EGRAPH_ROBOTS", "red_,blue_"},
+                                                                {"EGRAPH_STATE", "/no/such/folder"},
+                                                                {"EGRAPH_TILES", "0/2"},
+                                                                {"EGRAPH_LIVE", "OPENNI_FRAME"}};
+
+// The two runs go on at the same time: they must not hear each other, nor what is meant for others.
 TEST_F(EndToEnd, TracksEveryFrameAndRepeatsItselfExactly) {
   const auto a = folder_.path() / "a";
   const auto b = folder_.path() / "b";
   Program run_a("egraph-run", arguments(a, 60));
+  for (const auto& [name, value] : kForServices) setenv(name, value, 1);
   Program run_b("egraph-run", arguments(b, 60));
+  for (const auto& [name, value] : kForServices) unsetenv(name);
   ASSERT_EQ(run_a.wait(), 0) << run_a.output();
   ASSERT_EQ(run_b.wait(), 0) << run_b.output();
 
