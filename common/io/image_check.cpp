@@ -27,7 +27,8 @@ base::Status check_png(std::string_view bytes) {
     const std::size_t length = big_endian_32(bytes, offset);
     if (length > bytes.size() - offset - kFraming) break;
     const std::string_view type_and_data = bytes.substr(offset + 4, 4 + length);
-    if (crc32<kCrcIso3309>(type_and_data) != big_endian_32(bytes, offset + 8 + length)) return base::fail("PNG fails its checksum");
+    if (crc32<kCrcIso3309>(type_and_data) != big_endian_32(bytes, offset + 8 + length))
+      return base::fail("PNG fails its checksum");
     if (type_and_data.starts_with("IEND")) return {};
     offset += kFraming + length;
   }

@@ -76,8 +76,7 @@ class Parser {
     int value = 0;
     const char* end = token.text.data() + token.text.size();
     if (std::from_chars(token.text.data(), end, value).ec != std::errc{} || value < low || value > high) {
-      fail_at_place(token.place,
-                    expected + " must be in [" + std::to_string(low) + ", " + std::to_string(high) + "]");
+      fail_at_place(token.place, expected + " must be in [" + std::to_string(low) + ", " + std::to_string(high) + "]");
     }
     return value;
   }

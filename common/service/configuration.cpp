@@ -7,8 +7,8 @@ namespace eg::service {
 namespace {
 
 /// Sections that a shared configuration file may have.
-constexpr std::array kServiceNames = {"frame_source", "feature_extractor", "egraph_server",
-                                      "tracker",      "mapper",            "viewer"};
+constexpr std::array kServiceNames = {"frame_source", "feature_extractor", "egraph_server", "tracker", "mapper",
+                                      "viewer"};
 
 }  // namespace
 

@@ -11,24 +11,12 @@ namespace {
 
 namespace channels = messages::channels;
 
-constexpr std::array kChannels = {channels::kRgbd,
-                                  channels::kFeatures,
-                                  channels::kKeyframeFeatures,
-                                  channels::kPose,
-                                  channels::kKeyframe,
-                                  channels::kGraphUpdate,
-                                  channels::kGraphRequest,
-                                  channels::kGraphSnapshot,
-                                  channels::kRestoreRequest,
-                                  channels::kRestore,
-                                  channels::kPoseCorrection,
-                                  channels::kMeshChunk,
-                                  channels::kMeshRequest,
-                                  channels::kStatus,
-                                  channels::kAcknowledge,
-                                  channels::kEndOfStream,
-                                  channels::kControl,
-                                  channels::kControlReply,
+constexpr std::array kChannels = {channels::kRgbd,         channels::kFeatures,       channels::kKeyframeFeatures,
+                                  channels::kPose,         channels::kKeyframe,       channels::kGraphUpdate,
+                                  channels::kGraphRequest, channels::kGraphSnapshot,  channels::kRestoreRequest,
+                                  channels::kRestore,      channels::kPoseCorrection, channels::kMeshChunk,
+                                  channels::kMeshRequest,  channels::kStatus,         channels::kAcknowledge,
+                                  channels::kEndOfStream,  channels::kControl,        channels::kControlReply,
                                   channels::kResend};
 
 /// Input and output of a step of the pipeline; both carry the time of the frame that they are about.

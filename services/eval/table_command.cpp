@@ -69,7 +69,8 @@ base::Status print_table(const fs::path& root, const RunPlan& plan) {
   const auto failed =
       std::count_if(results.begin(), results.end(), [](const auto& result) { return std::isnan(result.ate_rmse_m); });
   if (failed == 0) return {};
-  return base::fail(std::to_string(failed) + " of " + std::to_string(results.size()) + " sequences failed, as said above");
+  return base::fail(std::to_string(failed) + " of " + std::to_string(results.size()) +
+                    " sequences failed, as said above");
 }
 
 base::Status print_ablation(const fs::path& root, const fs::path& configs, const RunPlan& plan) {

@@ -130,15 +130,15 @@ void SheriffService::print_output(const procman::Printf& text) {
   const bool known = command < configuration_.commands.size();
   if (!known && text.sheriff_id != 0) return;  // of a command of somebody else
   const std::string& name = known ? configuration_.commands[command].name : text.deputy_name;
-  output_[text.sheriff_id].add(text.text,
-                               [&](const std::string& line) { console_.print(base::printable(with_name(name, line))); });
+  output_[text.sheriff_id].add(
+      text.text, [&](const std::string& line) { console_.print(base::printable(with_name(name, line))); });
 }
 
 void SheriffService::warn_of_intruder() {
   if (sheriff_.intruder() == intruder_warned_of_) return;
   intruder_warned_of_ = sheriff_.intruder();
   console_.print(base::printable("[procman-sheriff] warning: another sheriff, " + intruder_warned_of_ +
-                           ", orders these deputies, too: end one of the two"));
+                                 ", orders these deputies, too: end one of the two"));
 }
 
 template <typename Message>

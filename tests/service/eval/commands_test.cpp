@@ -163,14 +163,16 @@ TEST_F(EvalCommands, BadFilesAreNamed) {
   EXPECT_THAT(report_mesh(file("gt.txt"), file("ref.ply"), std::nullopt).error().message, HasSubstr("is no PLY file"));
 }
 
-constexpr const char* kStatus = R"({"input": "x", "mode": "lockstep", "result": "complete", "failure": "", "frames_done": 60,
+constexpr const char* kStatus =
+    R"({"input": "x", "mode": "lockstep", "result": "complete", "failure": "", "frames_done": 60,
   "frames_with_pose": 60, "keyframes": 3, "wall_seconds": 1.0})";
 
 TEST_F(EvalCommands, AReportNeedsTheFilesThatItIsGiven) {
   EXPECT_THAT(report_run({folder_.path(), {}, {}}, false).error().message, HasSubstr("status.json: cannot be read"));
   folder_.write("status.json", kStatus);
   EXPECT_THAT(report_run({folder_.path(), file("no.txt"), {}}, false).error().message, HasSubstr("no.txt: cannot be"));
-  EXPECT_THAT(report_run({folder_.path(), {}, file("no.yaml")}, false).error().message, HasSubstr("no.yaml: cannot be"));
+  EXPECT_THAT(report_run({folder_.path(), {}, file("no.yaml")}, false).error().message,
+              HasSubstr("no.yaml: cannot be"));
   const auto config = folder_.write("all.yaml", "tracker:\n  search:\n    radius: 19\n");
   const auto report = report_run({folder_.path(), file("gt.txt"), config}, false);
   ASSERT_TRUE(report.has_value()) << report.error().message;
