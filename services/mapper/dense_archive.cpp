@@ -13,9 +13,12 @@ using service::bytes_of;
 using service::text_of;
 using TileNumber = std::array<std::int32_t, 3>;
 
-/// In this order: one of options, tiles, images of keyframes, then one of poses, which stands for the end.
-enum class RecordKind : std::uint8_t { options = 0, tile = 1, images = 2, poses = 3 };
+/// In this order: one of options, tiles, images of keyframes, each with planes behind it if there are any, then one of
+/// poses, which stands for the end.
+enum class RecordKind : std::uint8_t { options = 0, tile = 1, images = 2, poses = 3, planes = 4 };
 
+/// Planes are no part of it: archives from before there were any can still be read, and the decoder of FEATURES refuses
+/// what it does not know.
 std::uint64_t schema() { return service::schema_of<messages::CompressedFrame, tracking::PoseCorrection>(); }
 
 /// What the grids' units and shares depend on, for people and to be compared.
@@ -59,6 +62,8 @@ class Reader {
         return add_tile(record.bytes);
       case RecordKind::images:
         return add_images(record.bytes);
+      case RecordKind::planes:
+        return add_planes(record.bytes);
       case RecordKind::poses:
         return add_poses(record.bytes);
     }
@@ -96,12 +101,23 @@ class Reader {
     return {};
   }
 
+  base::Status add_planes(std::string_view bytes) {
+    std::int32_t id = -1;
+    if (!take_head(bytes, id)) return base::fail("is cut short");
+    auto frame = messages::decode<features::FrameFeatures>(bytes_of(bytes));
+    if (!frame) return tl::make_unexpected(frame.error());
+    if (!images_.contains(egraph::KeyframeId{id})) return base::fail("comes before the keyframe's images");
+    planes_[egraph::KeyframeId{id}] = *std::move(frame);
+    return {};
+  }
+
   base::Status add_poses(std::string_view bytes) {
     const auto poses = messages::decode<tracking::PoseCorrection>(bytes_of(bytes));
     if (!poses) return tl::make_unexpected(poses.error());
     for (const auto& [id, world_from_camera] : poses->entries) {
-      KeyframeMap::Keyframe keyframe{world_from_camera, std::nullopt};
+      KeyframeMap::Keyframe keyframe{world_from_camera, std::nullopt, {}};
       if (const auto images = images_.find(id); images != images_.end()) keyframe.images = std::move(images->second);
+      if (const auto planes = planes_.find(id); planes != planes_.end()) keyframe.planes = std::move(planes->second);
       map_.restore(id, std::move(keyframe));
     }
     is_complete_ = true;
@@ -110,6 +126,7 @@ class Reader {
 
   KeyframeMap& map_;
   std::map<egraph::KeyframeId, messages::CompressedFrame> images_;
+  std::map<egraph::KeyframeId, features::FrameFeatures> planes_;
   bool has_options_ = false;
   bool is_complete_ = false;
 };
@@ -130,7 +147,10 @@ base::Status save_dense_archive(const std::filesystem::path& path, const Keyfram
     tracking::PoseCorrection poses;
     for (const auto& [id, keyframe] : map.keyframes()) {
       poses.entries.push_back({id, keyframe.world_from_camera});
-      if (keyframe.images) add(RecordKind::images, with_head(id.value, text_of(messages::encode(*keyframe.images))));
+      if (!keyframe.images) continue;
+      add(RecordKind::images, with_head(id.value, text_of(messages::encode(*keyframe.images))));
+      if (keyframe.planes.planes.empty()) continue;
+      add(RecordKind::planes, with_head(id.value, text_of(messages::encode(keyframe.planes))));
     }
     add(RecordKind::poses, text_of(messages::encode(poses)));
     return {};

@@ -6,13 +6,30 @@
 
 #include "common/base/check.hpp"
 #include "common/geometry/so3.hpp"
+#include "common/mapping/plane_regularisation.hpp"
 
 namespace eg::services {
 namespace {
 
 constexpr double kMaxRotation = 0.5 * std::numbers::pi / 180.0;
 
-std::size_t bytes_of(const messages::CompressedFrame& frame) { return frame.colour.size() + frame.depth.size(); }
+/// What a keyframe takes that can still be moved.
+std::size_t bytes_of(const KeyframeMap::Keyframe& keyframe) {
+  std::size_t bytes = keyframe.images->colour.size() + keyframe.images->depth.size();
+  for (const features::PlaneFeature& plane : keyframe.planes.planes) {
+    bytes += sizeof plane + plane.hull.size() * sizeof plane.hull.front();
+  }
+  return bytes;
+}
+
+std::vector<mapping::DepthPlane> to_depth_planes(const std::vector<features::PlaneFeature>& features) {
+  std::vector<mapping::DepthPlane> planes;
+  planes.reserve(features.size());
+  for (const features::PlaneFeature& feature : features) {
+    planes.push_back({feature.plane, feature.covariance, static_cast<double>(feature.support), feature.hull});
+  }
+  return planes;
+}
 
 bool is_same(const geometry::Pose& a, const geometry::Pose& b) {
   return a.rotation == b.rotation && a.translation == b.translation;
@@ -28,26 +45,33 @@ bool is_far(const geometry::Pose& a, const geometry::Pose& b, double max_distanc
 KeyframeMap::KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget)
     : field_(options), image_budget_(image_budget) {}
 
-base::Result<image::RectifiedFrame> KeyframeMap::unpack(const messages::CompressedFrame& images) {
-  return messages::decompress(images).map([this](const image::RgbdFrame& frame) { return rectifier_.rectify(frame); });
+base::Result<image::RectifiedFrame> KeyframeMap::unpack(const messages::CompressedFrame& images,
+                                                        const features::FrameFeatures& planes) {
+  return messages::decompress(images).map([&](const image::RgbdFrame& frame) {
+    image::RectifiedFrame rectified = rectifier_.rectify(frame);
+    if (!planes.planes.empty()) {
+      rectified.depth = mapping::regularise_depth(rectified.depth, rectified.camera, to_depth_planes(planes.planes));
+    }
+    return rectified;
+  });
 }
 
 base::Status KeyframeMap::integrate(egraph::KeyframeId id, const messages::CompressedFrame& frame,
-                                    const geometry::Pose& world_from_camera) {
+                                    const geometry::Pose& world_from_camera, const features::FrameFeatures& features) {
   if (keyframes_.contains(id)) return {};
-  const auto restored = unpack(frame);
+  const auto restored = unpack(frame, features);
   if (!restored) return tl::make_unexpected(restored.error());
   const auto integrated = field_.integrate(*restored, world_from_camera);
   if (!integrated) return tl::make_unexpected(integrated.error());
-  image_bytes_ += bytes_of(frame);
-  keyframes_[id] = {world_from_camera, frame};
+  Keyframe& keyframe = keyframes_[id] = {world_from_camera, frame, planes_only(features)};
+  image_bytes_ += bytes_of(keyframe);
   drop_oldest_images();
   note_if_far(id);
   return {};
 }
 
 void KeyframeMap::restore(egraph::KeyframeId id, Keyframe keyframe) {
-  if (keyframe.images) image_bytes_ += bytes_of(*keyframe.images);
+  if (keyframe.images) image_bytes_ += bytes_of(keyframe);
   keyframes_[id] = std::move(keyframe);
   drop_oldest_images();
 }
@@ -55,8 +79,9 @@ void KeyframeMap::restore(egraph::KeyframeId id, Keyframe keyframe) {
 void KeyframeMap::drop_oldest_images() {
   for (auto it = keyframes_.begin(); it != keyframes_.end() && image_bytes_ > image_budget_; ++it) {
     if (!it->second.images) continue;
-    image_bytes_ -= bytes_of(*it->second.images);
+    image_bytes_ -= bytes_of(it->second);
     it->second.images.reset();
+    it->second.planes = {};
     far_.erase(it->first);
   }
 }
@@ -106,7 +131,7 @@ base::Status KeyframeMap::settle() {
 base::Status KeyframeMap::move(egraph::KeyframeId id) {
   Keyframe& keyframe = keyframes_.at(id);
   const geometry::Pose& target = latest_poses_.at(id).world_from_camera;
-  const auto frame = unpack(*keyframe.images);
+  const auto frame = unpack(*keyframe.images, keyframe.planes);
   EG_CHECK(frame, "images that were restored once can be restored again");
   const std::string name = "keyframe " + std::to_string(id.value);
   far_.erase(id);
@@ -114,7 +139,7 @@ base::Status KeyframeMap::move(egraph::KeyframeId id) {
     return base::fail(name + " stays where it is: " + taken.error().message);
   }
   if (const auto put = field_.integrate(*frame, target); !put) {
-    image_bytes_ -= bytes_of(*keyframe.images);
+    image_bytes_ -= bytes_of(keyframe);
     keyframes_.erase(id);
     return base::fail(name + " is no longer in the map: " + put.error().message);
   }

@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "common/features/features.hpp"
 #include "common/image/rectifier.hpp"
 #include "common/mapping/tsdf_map.hpp"
 #include "common/messages/codec.hpp"
@@ -14,21 +15,34 @@
 
 namespace eg::services {
 
-/// The dense map as a function of the keyframes and their latest poses. It keeps each keyframe's compressed images, so
-/// that a keyframe whose pose is corrected can be taken out of the field and put back where it belongs.
+/// A keyframe that the tracker has tracked in all six degrees of freedom: only those are mapped.
+inline bool is_mapped(const tracking::PoseEstimate& pose) {
+  return pose.keyframe.valid() && pose.has_pose && pose.state == tracking::TrackingState::tracking;
+}
+
+/// The part of a frame's features that the map needs.
+inline features::FrameFeatures planes_only(const features::FrameFeatures& features) {
+  return {features.header, features.camera, {}, {}, features.planes, {}};
+}
+
+/// The dense map as a function of the keyframes and their latest poses. It keeps each keyframe's compressed images and
+/// the planes that its depth was regularised by, so that a keyframe whose pose is corrected can be taken out of the
+/// field and put back where it belongs.
 class KeyframeMap {
  public:
   struct Keyframe {
     geometry::Pose world_from_camera;                 ///< where it is in the field
     std::optional<messages::CompressedFrame> images;  ///< none: dropped for the budget
+    features::FrameFeatures planes;                   ///< of the rectified image, and nothing else; none: fused as read
   };
 
-  /// @param image_budget bytes of compressed images kept; beyond it the oldest keyframes stay where they are
+  /// @param image_budget bytes of compressed images and planes kept; beyond it the oldest keyframes stay where they are
   KeyframeMap(const mapping::TsdfOptions& options, std::size_t image_budget);
 
-  /// Fuses a keyframe. One that is there already changes nothing, nor does a failure.
+  /// Fuses a keyframe, its readings on the planes of `features` after mapping::regularise_depth(). One that is there
+  /// already changes nothing, nor does a failure.
   base::Status integrate(egraph::KeyframeId id, const messages::CompressedFrame& frame,
-                         const geometry::Pose& world_from_camera);
+                         const geometry::Pose& world_from_camera, const features::FrameFeatures& features = {});
 
   /// Takes note of a keyframe that the field holds already, at that pose.
   void restore(egraph::KeyframeId id, Keyframe keyframe);
@@ -58,7 +72,9 @@ class KeyframeMap {
     geometry::Pose world_from_camera;
   };
 
-  [[nodiscard]] base::Result<image::RectifiedFrame> unpack(const messages::CompressedFrame& images);
+  /// What goes into the field.
+  [[nodiscard]] base::Result<image::RectifiedFrame> unpack(const messages::CompressedFrame& images,
+                                                           const features::FrameFeatures& planes);
   void drop_oldest_images();
   void note_if_far(egraph::KeyframeId id);
   base::Status move(egraph::KeyframeId id);

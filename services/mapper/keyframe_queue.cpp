@@ -44,10 +44,13 @@ KeyframeQueue::Missing KeyframeQueue::to_request(std::int64_t now_utime) {
   // The newest first: a mapper that comes late gets what can still be had.
   for (auto item = open_.rbegin(); item != open_.rend(); ++item) {
     Entry& entry = item->second;
-    auto& list = entry.pose ? missing.frames : missing.poses;
-    if (list.size() >= kMaxAtOnce) continue;
+    if ((entry.pose ? missing.parts.size() : missing.poses.size()) >= kMaxAtOnce) continue;
     ++entry.requests;
-    list.push_back(entry.pose ? entry.pose->header.sequence : item->first);
+    if (entry.pose) {
+      missing.parts.push_back(*entry.pose);
+    } else {
+      missing.poses.push_back(item->first);
+    }
   }
   return missing;
 }

@@ -9,14 +9,15 @@
 
 namespace eg::services {
 
-/// Real time: the keyframes that the map still lacks. Each needs its POSE message and its images; what does not come by
-/// itself is asked for, again and again, until it is there or so old that nobody can have it any more.
+/// Real time: the keyframes that the map still lacks. Each needs its POSE message and what goes with it, images and
+/// features; what does not come by itself is asked for, again and again, until it is there or so old that nobody can
+/// have it any more.
 class KeyframeQueue {
  public:
   /// What to ask the others to send again.
   struct Missing {
-    std::vector<std::int64_t> poses;   ///< keyframe ids
-    std::vector<std::int64_t> frames;  ///< sequence numbers
+    std::vector<std::int64_t> poses;            ///< keyframe ids
+    std::vector<tracking::PoseEstimate> parts;  ///< poses of keyframes that lack something else
   };
 
   /// Keyframe `id` and all before it are in the map already, from an earlier session.
@@ -28,7 +29,7 @@ class KeyframeQueue {
   /// A keyframe's pose has come. False: that keyframe is done already.
   bool add_pose(const tracking::PoseEstimate& pose);
 
-  /// The pose that waits for the images of a frame; null if none does.
+  /// The pose that waits for other parts of a frame; null if none does.
   [[nodiscard]] const tracking::PoseEstimate* waiting_for(std::int64_t sequence) const;
 
   /// The keyframe is in the map, or will never be.

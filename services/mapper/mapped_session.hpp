@@ -12,6 +12,12 @@
 
 namespace eg::services {
 
+/// What has come of a frame.
+struct FrameParts {
+  std::optional<messages::CompressedFrame> images;
+  std::optional<features::FrameFeatures> features;  ///< its planes
+};
+
 /// All that the mapper knows of one session.
 struct MappedSession {
   explicit MappedSession(const MapperOptions& options);
@@ -19,14 +25,14 @@ struct MappedSession {
   std::optional<std::int64_t> id;  ///< none: nothing has come yet
   KeyframeMap map;
   MeshStream mesh_stream;
-  KeyframeQueue queue;                                       ///< real time
-  service::CorrectionFollower corrections;                   ///< which of them have come
-  std::int64_t next_sequence = 0;                            ///< lockstep: the first frame that is not finished
-  std::int64_t acknowledged = 0;                             ///< lockstep: next_sequence when it was last announced
-  std::map<std::int64_t, messages::CompressedFrame> frames;  ///< by sequence
-  std::map<std::int64_t, tracking::PoseEstimate> poses;      ///< lockstep: by sequence
-  std::optional<std::int64_t> frame_count;                   ///< of the source, once it has ended
-  std::int64_t heard_utime = 0;                              ///< when the last frame or pose came
+  KeyframeQueue queue;                                   ///< real time
+  service::CorrectionFollower corrections;               ///< which of them have come
+  std::int64_t next_sequence = 0;                        ///< lockstep: the first frame that is not finished
+  std::int64_t acknowledged = 0;                         ///< lockstep: next_sequence when it was last announced
+  std::map<std::int64_t, FrameParts> frames;             ///< by sequence
+  std::map<std::int64_t, tracking::PoseEstimate> poses;  ///< lockstep: by sequence
+  std::optional<std::int64_t> frame_count;               ///< of the source, once it has ended
+  std::int64_t heard_utime = 0;                          ///< when the last frame or pose came
 
   /// Lockstep: whether every frame that the source had is in the map.
   [[nodiscard]] bool is_complete() const { return frame_count && next_sequence >= *frame_count; }

@@ -14,7 +14,9 @@ void describe_options(io::ConfigSchema& section, MapperOptions& options) {
       .field("memory_mb", options.memory_mb, {0, 1'000'000},
              "MB that the voxels may take; the rest waits in the output folder; 0: no limit")
       .field("image_budget", options.image_budget, {0, 100'000}, "MB of keyframe images kept for corrections")
-      .field("mesh_period", options.mesh_period, {0.0, 3600.0}, "seconds between mesh updates on the bus; 0: none");
+      .field("mesh_period", options.mesh_period, {0.0, 3600.0}, "seconds between mesh updates on the bus; 0: none")
+      .field("plane_regularisation", options.plane_regularisation,
+             "take noise out of depth readings that lie on planes of the frame's features");
 }
 
 }  // namespace eg::services

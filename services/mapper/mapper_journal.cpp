@@ -23,12 +23,15 @@ base::Status MapperService::replay(const transport::LogEvent& event) {
     return {};
   };
   if (event.channel == messages::channels::kRgbd) {
-    return apply.operator()<messages::CompressedFrame>([this](const auto& frame) { replayed_ = frame; });
+    return apply.operator()<messages::CompressedFrame>([this](const auto& frame) { replayed_ = {frame, {}}; });
+  }
+  if (event.channel == messages::channels::kFeatures) {
+    return apply.operator()<features::FrameFeatures>([this](const auto& features) { replayed_.features = features; });
   }
   if (event.channel == messages::channels::kPose) {
     return apply.operator()<tracking::PoseEstimate>([this](const auto& pose) {
       session_->id = pose.header.session;
-      if (replayed_) integrate(*replayed_, pose);
+      if (replayed_.images) integrate(replayed_, pose);
     });
   }
   if (event.channel == messages::channels::kPoseCorrection) {

@@ -13,23 +13,25 @@ namespace eg::services {
 namespace {
 
 constexpr std::int64_t kMaxAhead = 16;        // frames in lockstep; the source sends fewer ahead
-constexpr std::size_t kMaxRecentFrames = 32;  // one second, in real time: what a pose may take
 constexpr int kLockstepFrameQueue = 16;       // more than the source sends ahead, with repetitions
 constexpr int kRealtimeFrameQueue = 8;        // while a keyframe is being fused
 constexpr std::int64_t kSilence = 2'000'000;  // microseconds without a frame or pose: another session may begin
 constexpr std::size_t kFormerSessions = 64;   // whose late messages are told from those of a new one
 
-bool is_mapped(const tracking::PoseEstimate& pose) {
-  return pose.keyframe.valid() && pose.has_pose && pose.state == tracking::TrackingState::tracking;
-}
-
 }  // namespace
 
 MapperService::MapperService(service::ServiceContext& context, const MapperOptions& options)
     : context_(context), options_(options), session_(std::make_unique<MappedSession>(options)) {
-  context_.subscribe<messages::CompressedFrame>(messages::channels::kRgbd,
-                                                context_.options().lockstep ? kLockstepFrameQueue : kRealtimeFrameQueue,
+  const int frame_queue = context_.options().lockstep ? kLockstepFrameQueue : kRealtimeFrameQueue;
+  context_.subscribe<messages::CompressedFrame>(messages::channels::kRgbd, frame_queue,
                                                 [this](const messages::CompressedFrame& frame) { on_frame(frame); });
+  if (options_.plane_regularisation) {
+    const auto take_features = [this](const features::FrameFeatures& features) { on_features(features); };
+    context_.subscribe<features::FrameFeatures>(messages::channels::kFeatures, frame_queue, take_features);
+    if (!context_.options().lockstep) {
+      context_.subscribe<features::FrameFeatures>(messages::channels::kKeyframeFeatures, frame_queue, take_features);
+    }
+  }
   context_.subscribe<tracking::PoseEstimate>(messages::channels::kPose, service::kSmallQueue,
                                              [this](const tracking::PoseEstimate& pose) { on_pose(pose); });
   if (!context_.options().lockstep) {
@@ -112,30 +114,29 @@ void MapperService::on_end_of_stream(const messages::EndOfStream& end) {
 void MapperService::on_frame(const messages::CompressedFrame& frame) {
   if (!enter_session(frame.header.session, messages::channels::kRgbd)) return;
   const std::int64_t sequence = frame.header.sequence;
-  if (!context_.options().lockstep) {
-    if (const tracking::PoseEstimate* pose = session_->queue.waiting_for(sequence))
-      return finish_keyframe(frame, *pose);
-    session_->frames.insert_or_assign(sequence, frame);
-    if (session_->frames.size() > kMaxRecentFrames) session_->frames.erase(session_->frames.begin());
-    return;
+  if (context_.options().lockstep) {
+    if (sequence < session_->next_sequence) return acknowledge_finished();
+    if (sequence >= session_->next_sequence + kMaxAhead) return;  // the source sends it again
   }
-  if (sequence < session_->next_sequence) return acknowledge_finished();
-  if (sequence >= session_->next_sequence + kMaxAhead) return;  // the source sends it again
-  session_->frames.emplace(sequence, frame);
-  work_off_in_order();
+  session_->frames[sequence].images = frame;
+  context_.options().lockstep ? work_off_in_order() : finish_if_complete(sequence);
+}
+
+void MapperService::on_features(const features::FrameFeatures& features) {
+  if (!enter_session(features.header.session, messages::channels::kFeatures)) return;
+  const std::int64_t sequence = features.header.sequence;
+  if (context_.options().lockstep &&
+      (sequence < session_->next_sequence || sequence >= session_->next_sequence + kMaxAhead))
+    return;
+  session_->frames[sequence].features = planes_only(features);
+  context_.options().lockstep ? work_off_in_order() : finish_if_complete(sequence);
 }
 
 void MapperService::on_pose(const tracking::PoseEstimate& pose) {
   if (!enter_session(pose.header.session, messages::channels::kPose)) return;
   session_->corrections.announce(pose.corrections);
   const std::int64_t sequence = pose.header.sequence;
-  if (!context_.options().lockstep) {
-    if (!pose.keyframe.valid() || !session_->queue.add_pose(pose)) return;
-    if (!is_mapped(pose) || session_->map.contains(pose.keyframe)) return session_->queue.finish(pose.keyframe);
-    const auto frame = session_->frames.find(sequence);
-    if (frame != session_->frames.end()) finish_keyframe(frame->second, pose);
-    return;
-  }
+  if (!context_.options().lockstep) return take_pose(pose);
   if (sequence < session_->next_sequence || sequence >= session_->next_sequence + kMaxAhead) return;
   session_->poses.emplace(sequence, pose);
   work_off_in_order();
@@ -158,7 +159,7 @@ void MapperService::work_off_in_order() {
   for (;; ++session_->next_sequence) {
     const auto frame = session_->frames.find(session_->next_sequence);
     const auto pose = session_->poses.find(session_->next_sequence);
-    if (frame == session_->frames.end() || pose == session_->poses.end() ||
+    if (frame == session_->frames.end() || pose == session_->poses.end() || !is_complete(frame->second, pose->second) ||
         !session_->corrections.has(pose->second.corrections))
       break;
     integrate(frame->second, pose->second);
@@ -168,32 +169,24 @@ void MapperService::work_off_in_order() {
   if (session_->next_sequence > session_->acknowledged) acknowledge_finished();
 }
 
-void MapperService::integrate(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose) {
+bool MapperService::is_complete(const FrameParts& parts, const tracking::PoseEstimate& pose) const {
+  return parts.images && (parts.features || !options_.plane_regularisation || !is_mapped(pose));
+}
+
+void MapperService::integrate(const FrameParts& parts, const tracking::PoseEstimate& pose) {
   if (!is_mapped(pose) || session_->map.contains(pose.keyframe)) return;
   const auto start = std::chrono::steady_clock::now();
-  if (const base::Status done = session_->map.integrate(pose.keyframe, frame, pose.world_from_camera); !done) {
+  const features::FrameFeatures features = parts.features.value_or(features::FrameFeatures{});
+  const auto done = session_->map.integrate(pose.keyframe, *parts.images, pose.world_from_camera, features);
+  if (!done) {
     return context_.status().count_rejected(std::string(messages::channels::kRgbd) + ": " + done.error().message);
   }
-  note(messages::channels::kRgbd, frame);
+  note(messages::channels::kRgbd, *parts.images);
+  if (parts.features) note(messages::channels::kFeatures, *parts.features);
   note(messages::channels::kPose, pose);
   keep_budget();
   context_.status().count_frame(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-}
-
-void MapperService::finish_keyframe(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose) {
-  integrate(frame, pose);
-  session_->queue.finish(pose.keyframe);
-}
-
-void MapperService::request_missing(std::int64_t now_utime) {
-  const std::int64_t given_up = session_->queue.given_up();
-  const KeyframeQueue::Missing missing = session_->queue.to_request(now_utime);
-  request(messages::channels::kPose, missing.poses);
-  request(messages::channels::kRgbd, missing.frames);
-  if (const auto have = session_->corrections.to_request(now_utime))
-    request(messages::channels::kPoseCorrection, {*have});
-  context_.status().count_dropped(session_->queue.given_up() - given_up);
 }
 
 void MapperService::request(const char* channel, const std::vector<std::int64_t>& numbers) {

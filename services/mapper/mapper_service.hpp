@@ -14,13 +14,15 @@
 
 namespace eg::services {
 
-/// RGBD, POSE, KEYFRAME, POSE_CORRECTION and MESH_REQUEST in; MESH_CHUNK out; mesh.ply and mesh.vdb at the end.
+/// RGBD, FEATURES, POSE, KEYFRAME, POSE_CORRECTION and MESH_REQUEST in; MESH_CHUNK out; mesh.ply and mesh.vdb at the
+/// end.
 ///
-/// Every keyframe that was tracked in all six degrees of freedom is fused with the pose that its POSE message carries.
-/// Lockstep: frames are worked off strictly in order, each once both its messages and all corrections before it are
-/// there, and then acknowledged; one that comes again is acknowledged again. Real time: the latest frames are kept
-/// until their pose comes; what a keyframe lacks, its pose or its images, is asked for by RESEND. A keyframe that
-/// nobody has any more is counted as dropped in the status.
+/// Every keyframe that was tracked in all six degrees of freedom is fused with the pose that its POSE message carries,
+/// its depth regularised by the planes of its FEATURES (unless MapperOptions::plane_regularisation is off).
+/// Lockstep: frames are worked off strictly in order, each once its messages and all corrections before it are there,
+/// and then acknowledged; one that comes again is acknowledged again. Real time: the latest frames are kept until their
+/// pose comes; what a keyframe lacks, its pose, images or features, is asked for by RESEND. A keyframe that nobody has
+/// any more is counted as dropped in the status.
 ///
 /// With an output folder, everything that goes into the map is also written into the journal there, and a mapper that
 /// was killed goes on from it (`resume`); and what the map has no memory for (`memory_mb`) waits there. Mappers that
@@ -45,6 +47,7 @@ class MapperService : public service::Service {
 
  private:
   void on_frame(const messages::CompressedFrame& frame);
+  void on_features(const features::FrameFeatures& features);
   void on_pose(const tracking::PoseEstimate& pose);
   void on_keyframe(const egraph::Keyframe& keyframe);
   void on_correction(const tracking::PoseCorrection& correction);
@@ -57,8 +60,13 @@ class MapperService : public service::Service {
   void stop_journal(const base::Error& error);
 
   void work_off_in_order();
-  void integrate(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose);
-  void finish_keyframe(const messages::CompressedFrame& frame, const tracking::PoseEstimate& pose);
+  /// Whether all that the map needs of a frame with that pose is there.
+  [[nodiscard]] bool is_complete(const FrameParts& parts, const tracking::PoseEstimate& pose) const;
+  void integrate(const FrameParts& parts, const tracking::PoseEstimate& pose);
+  // Real time:
+  void take_pose(const tracking::PoseEstimate& pose);
+  void finish_if_complete(std::int64_t sequence);
+  void forget_old_frames();
   void request_missing(std::int64_t now_utime);
   void request(const char* channel, const std::vector<std::int64_t>& numbers);
   void send_mesh(std::int64_t now_utime);
@@ -74,9 +82,9 @@ class MapperService : public service::Service {
   std::unique_ptr<MappedSession> session_;
   std::deque<std::int64_t> former_sessions_;
   std::optional<service::MessageJournal> journal_;
-  std::optional<messages::CompressedFrame> replayed_;  ///< the journal's last frame
-  std::int64_t now_utime_ = 0;                         ///< as idle() was told last
-  std::string budget_failure_;                         ///< the last one, as long as it lasts
+  FrameParts replayed_;         ///< the journal's last frame
+  std::int64_t now_utime_ = 0;  ///< as idle() was told last
+  std::string budget_failure_;  ///< the last one, as long as it lasts
 };
 
 }  // namespace eg::services

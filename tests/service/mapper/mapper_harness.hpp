@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "common/features/plane_extraction.hpp"
+#include "common/image/rectifier.hpp"
 #include "common/io/ply.hpp"
 #include "common/messages/channels.hpp"
 #include "common/synthetic/sequence.hpp"
@@ -29,6 +31,8 @@ inline synthetic::SyntheticSequence small_sequence() {
   options.camera.fy /= 4.0;
   options.camera.cx = 79.5;
   options.camera.cy = 59.5;
+  options.noise = synthetic::NoiseOptions{};
+  options.noise->depth.steps_per_pixel = 32.0;  // as fine as with four times the focal length
   return synthetic::SyntheticSequence::make(options).value();
 }
 
@@ -56,6 +60,7 @@ class Harness {
     EXPECT_TRUE(opened) << opened.error().message;
     listen<messages::Acknowledge>(channels::kAcknowledge, acknowledged);
     listen<mapping::MeshChunk>(channels::kMeshChunk, chunks);
+    listen<messages::ResendRequest>(channels::kResend, requests);
   }
 
   /// `sequence`: below 0 the same as `index`.
@@ -64,6 +69,14 @@ class Harness {
     frame.header.sequence = sequence < 0 ? index : sequence;
     frame.header.session = session_of_frames;
     publish(channels::kRgbd, frame);
+    if (features_come) publish(channels::kFeatures, planes_of(frame));
+  }
+
+  /// The planes of frame `index`; on FEATURES as the extractor, on KEYFRAME_FEATURES as the tracker sends them.
+  void send_features(int index, const char* channel) {
+    image::RgbdFrame frame = sequence_.frame(index);
+    frame.header.session = session_of_frames;
+    publish(channel, planes_of(frame));
   }
 
   /// As the tracker answers frame `index`, which is keyframe `keyframe` and has come as number `sequence`.
@@ -114,10 +127,18 @@ class Harness {
   [[nodiscard]] std::filesystem::path out() const { return out_; }
 
   std::int64_t session_of_frames = 7;
+  bool features_come = true;  ///< with every frame
   std::vector<messages::Acknowledge> acknowledged;
   std::vector<mapping::MeshChunk> chunks;
+  std::vector<messages::ResendRequest> requests;
 
  private:
+  [[nodiscard]] static features::FrameFeatures planes_of(const image::RgbdFrame& frame) {
+    const image::RectifiedFrame rectified = image::Rectifier().rectify(frame);
+    auto planes = features::extract_planes(rectified.depth, rectified.camera).planes;
+    return {frame.header, rectified.camera, {}, {}, std::move(planes), {}};
+  }
+
   template <typename T>
   void listen(const char* channel, std::vector<T>& into) {
     const auto handler = [&into](const transport::ReceivedMessage& message) {

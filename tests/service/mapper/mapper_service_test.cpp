@@ -241,11 +241,14 @@ TEST(MapperConfigTest, SetsEveryOption) {
   MapperOptions options;
   io::ConfigSchema schema;
   describe_options(schema, options);
-  ASSERT_TRUE(io::parse_config("voxel_size: 0.01\nmesh_period: 0\nimage_budget: 12\nmemory_mb: 34\n", "test", schema));
+  ASSERT_TRUE(io::parse_config(
+      "voxel_size: 0.01\nmesh_period: 0\nimage_budget: 12\nmemory_mb: 34\nplane_regularisation: false\n", "test",
+      schema));
   EXPECT_EQ(options.tsdf.voxel_size, 0.01);
   EXPECT_EQ(options.mesh_period, 0.0);
   EXPECT_EQ(options.image_budget, 12);
   EXPECT_EQ(options.memory_mb, 34);
+  EXPECT_FALSE(options.plane_regularisation);
   EXPECT_FALSE(io::parse_config("voxel_sise: 0.01\n", "test", schema));
   EXPECT_FALSE(io::parse_config("voxel_size: 0\n", "test", schema));
 }
