@@ -32,7 +32,7 @@ std::string text_of(const Cell& cell, const Cell& best, int decimals) {
 }
 
 /// CSV's own way with separators in texts.
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string result = "\"";
   for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -72,7 +72,7 @@ std::string to_csv(std::span<const ResultTable> tables) {
       for (std::size_t i = 0; i < row.values.size(); ++i) {
         const Cell& cell = row.values[i];
         if (!cell) continue;
-        text << quoted(table.title) << ',' << quoted(row.sequence) << ',' << quoted(table.columns[i]) << ','
+        text << in_quotes(table.title) << ',' << in_quotes(row.sequence) << ',' << in_quotes(table.columns[i]) << ','
              << (std::isnan(*cell) ? "failed" : fixed(*cell, 6)) << '\n';
       }
     }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kPortsToTry = 100;
 
-std::string quoted(std::string_view text) { return std::string("'").append(text).append("'"); }
+std::string in_quotes(std::string_view text) { return std::string("'").append(text).append("'"); }
 
 std::optional<std::uint16_t> parse_port(std::string_view digits) {
   std::uint16_t port = 0;
@@ -48,7 +48,7 @@ base::Result<WebAddress> parse_web_address(std::string_view text) {
   const auto port = host.size() + 1 < text.size() ? parse_port(text.substr(host.size() + 1)) : std::nullopt;
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   if (host.empty() || !port) {
-    return base::fail(quoted(text) + " is not an address like 127.0.0.1:8080 or [::1]:8080");
+    return base::fail(in_quotes(text) + " is not an address like 127.0.0.1:8080 or [::1]:8080");
   }
   return WebAddress{std::string(host), *port};
 }
@@ -61,7 +61,7 @@ base::Status check_web_address(const std::string& text) {
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   const int unknown = getaddrinfo(address->host.c_str(), std::to_string(address->port).c_str(), &hints, &found);
-  if (unknown != 0) return base::fail(quoted(address->host) + " is no numeric address: " + gai_strerror(unknown));
+  if (unknown != 0) return base::fail(in_quotes(address->host) + " is no numeric address: " + gai_strerror(unknown));
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, &freeaddrinfo);
   const int failure = try_to_bind(*found);
   if (failure == 0) return {};

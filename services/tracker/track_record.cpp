@@ -17,7 +17,7 @@ constexpr std::int64_t kMaxGap = 100'000;
 double seconds(std::int64_t utime) { return static_cast<double>(utime) * 1e-6; }
 
 /// A text as one field of a CSV file (RFC 4180).
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string field(1, '"');
   for (const char c : text) {
     if (c == '"') field.push_back(c);
@@ -41,20 +41,20 @@ std::string id_field(tracking::KeyframeId id) { return id.valid() ? std::to_stri
 
 std::string state_row(const tracking::PoseEstimate& estimate) {
   return join({std::to_string(estimate.header.sequence), io::format_fixed(seconds(estimate.header.utime), 6),
-               tracking::to_string(estimate.state), quoted(estimate.reason), id_field(estimate.keyframe),
+               tracking::to_string(estimate.state), in_quotes(estimate.reason), id_field(estimate.keyframe),
                id_field(estimate.rotation_reference), std::to_string(estimate.matched_points),
                std::to_string(estimate.matched_lines), std::to_string(estimate.matched_planes),
                std::to_string(estimate.matched_directions)});
 }
 
 std::string skipped_row(std::int64_t utime) {
-  return join({"", io::format_fixed(seconds(utime), 6), "skipped", quoted("image could not be read"), "", "", "0", "0",
-               "0", "0"});
+  return join({"", io::format_fixed(seconds(utime), 6), "skipped", in_quotes("image could not be read"), "", "", "0",
+               "0", "0", "0"});
 }
 
 std::string dropped_row(std::int64_t sequence) {
-  return join({std::to_string(sequence), "", "dropped", quoted("its features did not arrive in time"), "", "", "0", "0",
-               "0", "0"});
+  return join({std::to_string(sequence), "", "dropped", in_quotes("its features did not arrive in time"), "", "", "0",
+               "0", "0", "0"});
 }
 
 /// Points as vertices, lines as edges between two of them: what was seen from two keyframes or more.
