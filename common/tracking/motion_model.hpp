@@ -10,7 +10,7 @@ namespace eg::tracking {
 
 struct MotionOptions {
   double velocity_change = 0.4;          ///< m/s that a hand or robot may change its speed by within one frame
-  double angular_velocity_change = 1.2;  ///< rad/s, likewise
+  double angular_velocity_change = 0.4;  ///< rad/s, likewise (12 rad/s² at 30 Hz)
   double max_extrapolation_s = 0.5;      ///< a longer gap says nothing about where the camera went
   /// rad/sqrt(s), random walk about the one axis that a single wall leaves open: its normal. Whoever carries a camera
   /// along a wall pans; turning the picture about the viewing direction is rare.

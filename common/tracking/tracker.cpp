@@ -112,10 +112,10 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
 
 Tracker::Frame Tracker::estimate(const FrameFeatures& features) const {
   Frame frame = estimate(features, options_.parts.egraph);
-  if (!frame.rotation_from_graph || !planes_are_unmistakable(frame) || !misses_expected_points(frame)) return frame;
+  if (!frame.rotation_from_graph || !planes_are_unmistakable(frame) || !leads_away(frame)) return frame;
   // Directions of the frame were taken for others of the graph: see where the prediction, which is sharp, leads alone.
   Frame predicted = estimate(features, false);
-  return misses_expected_points(predicted) ? std::move(frame) : std::move(predicted);
+  return leads_away(predicted) ? std::move(frame) : std::move(predicted);
 }
 
 Tracker::Frame Tracker::estimate(const FrameFeatures& features, bool with_graph) const {
@@ -308,6 +308,11 @@ bool Tracker::is_keyframe(const Frame& frame) {
   const Pose last_from_current =
       map_.keyframes().back().world_from_camera.inverse() * frame.camera_from_world.inverse();
   return policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame), last_from_current);
+}
+
+bool Tracker::leads_away(const Frame& frame) const {
+  const bool misses_planes = 2 * frame.solution.inlier_planes() < static_cast<int>(frame.features.planes.size());
+  return misses_planes || misses_expected_points(frame);
 }
 
 bool Tracker::sees_new_structure(const Frame& frame) const {

@@ -98,7 +98,9 @@ class Tracker {
   [[nodiscard]] bool planes_are_unmistakable(const Frame& frame) const;
   /// Many points are expected and many are seen, but they are not the same.
   [[nodiscard]] bool misses_expected_points(const Frame& frame) const;
-  /// That, after a loss or a long step.
+  /// That, or most planes in view are not those of the map.
+  [[nodiscard]] bool leads_away(const Frame& frame) const;
+  /// Missing points after a loss or a long step.
   [[nodiscard]] bool points_contradict(const Frame& frame) const;
   [[nodiscard]] bool is_keyframe(const Frame& frame);
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
