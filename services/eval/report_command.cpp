@@ -123,7 +123,9 @@ base::Result<Report> report_run(const ReportFiles& files, bool y_up) {
   report::RunResults run;
   run.view = eval::render_options_for(y_up);
   base::Status status = read_status(files.folder / "status.json", run);
-  if (status) status = read_trajectory(if_there(files.folder / "trajectory.txt"), run.estimate);
+  if (status && run.frames_with_pose > 0) {
+    status = read_trajectory(if_there(files.folder / "trajectory.txt"), run.estimate);
+  }
   if (status) status = read_trajectory(files.groundtruth, run.truth);
   if (status) status = draw_mesh(files.folder, run);
   if (!status) return tl::make_unexpected(status.error());

@@ -163,13 +163,15 @@ TEST_F(EvalCommands, BadFilesAreNamed) {
   EXPECT_THAT(report_mesh(file("gt.txt"), file("ref.ply"), std::nullopt).error().message, HasSubstr("is no PLY file"));
 }
 
-constexpr const char* kStatus =
-    R"({"input": "x", "mode": "lockstep", "result": "complete", "failure": "", "frames_done": 60,
-  "frames_with_pose": 60, "keyframes": 3, "wall_seconds": 1.0})";
+std::string status_json(int frames_with_pose) {
+  return R"({"input": "x", "mode": "lockstep", "result": "complete", "failure": "", "frames_done": 60,
+  "keyframes": 3, "wall_seconds": 1.0, "frames_with_pose": )" +
+         std::to_string(frames_with_pose) + "}";
+}
 
 TEST_F(EvalCommands, AReportNeedsTheFilesThatItIsGiven) {
   EXPECT_THAT(report_run({folder_.path(), {}, {}}, false).error().message, HasSubstr("status.json: cannot be read"));
-  folder_.write("status.json", kStatus);
+  folder_.write("status.json", status_json(60));
   EXPECT_THAT(report_run({folder_.path(), file("no.txt"), {}}, false).error().message, HasSubstr("no.txt: cannot be"));
   EXPECT_THAT(report_run({folder_.path(), {}, file("no.yaml")}, false).error().message,
               HasSubstr("no.yaml: cannot be"));
@@ -177,6 +179,13 @@ TEST_F(EvalCommands, AReportNeedsTheFilesThatItIsGiven) {
   const auto report = report_run({folder_.path(), file("gt.txt"), config}, false);
   ASSERT_TRUE(report.has_value()) << report.error().message;
   EXPECT_THAT(*io::read_file(file("report.html")), HasSubstr("radius: 19"));
+}
+
+TEST_F(EvalCommands, ARunWithoutAPoseHasAReportToo) {
+  folder_.write("status.json", status_json(0));
+  folder_.write("trajectory.txt", "# timestamp tx ty tz qx qy qz qw\n");
+  const auto report = report_run({folder_.path(), file("gt.txt"), {}}, false);
+  EXPECT_TRUE(report.has_value()) << report.error().message;
 }
 
 /// What a shell sees.
