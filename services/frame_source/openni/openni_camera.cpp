@@ -20,6 +20,8 @@ std::int64_t now_utime() {
       .count();
 }
 
+constexpr int kManyUnpaired = 200;  ///< images: more than three seconds of two streams
+
 /// OpenNI2 tells in a text of its own what went wrong last, with tabs and line breaks around it.
 tl::unexpected<base::Error> failed(const std::string& what) {
   std::string why = openni::OpenNI::getExtendedError();
@@ -58,7 +60,13 @@ class OpenNiCamera : public CameraDevice {
     const bool is_depth = ready == 1;
     const auto device_utime = static_cast<std::int64_t>(frame.getTimestamp());
     if (!clock_offset_) clock_offset_ = now_utime() - device_utime;
-    return pairer_.add(image_of(frame, is_depth), device_utime + *clock_offset_);
+    auto pair = pairer_.add(image_of(frame, is_depth), device_utime + *clock_offset_);
+    unpaired_ = pair ? 0 : unpaired_ + 1;
+    if (unpaired_ == kManyUnpaired) {
+      spdlog::warn("{}: of the last {} images no two were taken at once, in colour and in depth: none is used", name(),
+                   kManyUnpaired);
+    }
+    return pair;
   }
 
   [[nodiscard]] std::string description() const override {
@@ -86,6 +94,7 @@ class OpenNiCamera : public CameraDevice {
   geometry::CameraModel camera_;
   ImagePairer pairer_;
   std::optional<std::int64_t> clock_offset_;  ///< microseconds from the device's clock to this machine's
+  int unpaired_ = 0;                          ///< images since the last pair
 };
 
 /// What a stream begins with is often right already, and some devices refuse to be told anything.
@@ -95,8 +104,8 @@ bool is_in(const openni::VideoStream& stream, const openni::VideoMode& mode) {
          now.getFps() == mode.getFps() && now.getPixelFormat() == mode.getPixelFormat();
 }
 
-base::Status start(openni::VideoStream& stream, const openni::Device& device, openni::SensorType sensor,
-                   openni::PixelFormat format, const geometry::CameraModel& camera) {
+base::Status set_up(openni::VideoStream& stream, const openni::Device& device, openni::SensorType sensor,
+                    openni::PixelFormat format, const geometry::CameraModel& camera) {
   const std::string name = sensor == openni::SENSOR_DEPTH ? "depth stream" : "colour stream";
   openni::VideoMode mode;
   mode.setResolution(camera.width, camera.height);
@@ -109,7 +118,6 @@ base::Status start(openni::VideoStream& stream, const openni::Device& device, op
                   " per second, as --camera asks for");
   }
   stream.setMirroringEnabled(false);  // which devices that cannot mirror refuse
-  if (stream.start() != openni::STATUS_OK) return failed("the " + name + " cannot be started");
   return {};
 }
 
@@ -135,10 +143,14 @@ base::Result<std::unique_ptr<CameraDevice>> open_openni_camera(const std::string
     return failed(about + " cannot be opened");
   }
   align(streams->device);
-  for (const base::Status& started :
-       {start(streams->colour, streams->device, openni::SENSOR_COLOR, openni::PIXEL_FORMAT_RGB888, camera),
-        start(streams->depth, streams->device, openni::SENSOR_DEPTH, openni::PIXEL_FORMAT_DEPTH_1_MM, camera)}) {
-    if (!started) return base::fail(about + ": " + started.error().message);
+  for (const base::Status& ready :
+       {set_up(streams->colour, streams->device, openni::SENSOR_COLOR, openni::PIXEL_FORMAT_RGB888, camera),
+        set_up(streams->depth, streams->device, openni::SENSOR_DEPTH, openni::PIXEL_FORMAT_DEPTH_1_MM, camera)}) {
+    if (!ready) return base::fail(about + ": " + ready.error().message);
+  }
+  // One right after the other: some devices count each stream's time from its start.
+  for (openni::VideoStream* stream : {&streams->colour, &streams->depth}) {
+    if (stream->start() != openni::STATUS_OK) return failed(about + ": its streams cannot be started");
   }
   return std::make_unique<OpenNiCamera>(*streams, camera);
 }
