@@ -4,18 +4,13 @@
 #include <optional>
 #include <string>
 
-#include "common/geometry/pose.hpp"
-
 namespace eg::tracking {
 
 struct KeyframeOptions {
   int max_frames = 20;              ///< frames since the last keyframe (paper, section 4.2)
-  int max_frames_moving = 10;       ///< the same for a camera that has left the last keyframe's place
   double min_tracked_ratio = 0.85;  ///< of the last keyframe's features that the best frame since found (paper, 4.2)
   int min_frames = 5;               ///< a shorter distance tells nothing new: a sixth of a second
   int new_structure_frames = 2;     ///< frames in a row that must see a new plane or vanishing direction
-  double moved_translation = 0.02;  ///< metres from the last keyframe: nearer is the same place
-  double moved_rotation = 0.0175;   ///< radians (1°), likewise
 };
 
 /// When a frame becomes a keyframe: the rules of the paper's section 4.2.
@@ -24,9 +19,8 @@ class KeyframePolicy {
   explicit KeyframePolicy(KeyframeOptions options = {}) : options_(options) {}
 
   /// `tracked`: features of the last keyframe found in this frame. `sees_new_structure`: a plane or vanishing direction
-  /// that neither map nor graph knows. `last_from_current`: the frame's pose seen from the last keyframe; from the
-  /// same place there is less to learn. Returns whether this frame should be a keyframe.
-  bool wants_keyframe(int tracked, bool sees_new_structure, const geometry::Pose& last_from_current);
+  /// that neither map nor graph knows. Returns whether this frame should be a keyframe.
+  bool wants_keyframe(int tracked, bool sees_new_structure);
 
   void keyframe_added();
 

@@ -280,7 +280,7 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
 
   map_.count_visibility(visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world), {},
                         frame.matches);
-  if (map_.empty() || is_keyframe(frame)) {
+  if (map_.empty() || policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame))) {
     add_keyframe(frame, result);
   } else if (const auto views = direction_views(frame)) {
     direction_tracks_.add(*views);
@@ -302,12 +302,6 @@ bool Tracker::misses_expected_points(const Frame& frame) const {
   return static_cast<int>(expected.size()) >= options_.min_expected_points &&
          static_cast<int>(frame.features.points.size()) >= options_.min_expected_points &&
          frame.solution.inlier_points() < options_.min_points_without_planes;
-}
-
-bool Tracker::is_keyframe(const Frame& frame) {
-  const Pose last_from_current =
-      map_.keyframes().back().world_from_camera.inverse() * frame.camera_from_world.inverse();
-  return policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame), last_from_current);
 }
 
 bool Tracker::leads_away(const Frame& frame) const {

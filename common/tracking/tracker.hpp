@@ -102,7 +102,6 @@ class Tracker {
   [[nodiscard]] bool leads_away(const Frame& frame) const;
   /// Missing points after a loss or a long step.
   [[nodiscard]] bool points_contradict(const Frame& frame) const;
-  [[nodiscard]] bool is_keyframe(const Frame& frame);
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
   [[nodiscard]] int features_of_last_keyframe(const Frame& frame) const;
   /// The frame's directions seen from where the map alone puts the camera; empty where the map does not know that.

@@ -38,7 +38,6 @@ int main(int argc, char** argv) {
         .field("iterations", options.bundle.iterations, {1, 100}, "at most");
     section.section("keyframes", "when a frame becomes a keyframe")
         .field("max_frames", options.keyframes.max_frames, {1, 10000}, "frames since the last one")
-        .field("max_frames_moving", options.keyframes.max_frames_moving, {1, 10000}, "the same, of a camera that moves")
         .field("min_frames", options.keyframes.min_frames, {1, 10000}, "frames between two at least")
         .field("min_tracked_ratio", options.keyframes.min_tracked_ratio, {0.0, 1.0}, "of the last one's features");
     section.section("search", "where map features are looked for")

@@ -101,59 +101,52 @@ TEST(MotionModel, TwoFramesAtOnceAreNoDivisionByZero) {
 
 /// Explicit, so that the rules are tested and not the figures.
 constexpr KeyframeOptions kRules{
-    .max_frames = 20, .max_frames_moving = 10, .min_tracked_ratio = 0.85, .min_frames = 3, .new_structure_frames = 2};
-
-/// From the last keyframe: by three centimetres.
-const Pose kMoved{Eigen::Matrix3d::Identity(), {0.0, 0.0, 0.03}};
+    .max_frames = 20, .min_tracked_ratio = 0.85, .min_frames = 3, .new_structure_frames = 2};
 
 /// How many frames pass until a keyframe is wanted, at most 100.
-int frames_until_keyframe(KeyframePolicy& policy, int tracked, const Pose& last_from_current = kMoved) {
+int frames_until_keyframe(KeyframePolicy& policy, int tracked) {
   for (int frame = 1; frame <= 100; ++frame) {
-    if (policy.wants_keyframe(tracked, false, last_from_current)) return frame;
+    if (policy.wants_keyframe(tracked, false)) return frame;
   }
   return 100;
 }
 
-TEST(KeyframePolicy, SomeFramesAfterTheLastSoonerIfTheCameraMoves) {
-  const Pose at_rest{geometry::so3_exp({0.0, 0.01, 0.0}), {0.01, 0.0, 0.01}};
-  const Pose turned{geometry::so3_exp({0.0, 0.02, 0.0}), Vector3d::Zero()};
-  KeyframePolicy policy(kRules);
-  EXPECT_EQ(frames_until_keyframe(policy, 500, at_rest), 20);
+TEST(KeyframePolicy, TwentyFramesAfterTheLastAsInThePaper) {
+  KeyframePolicy policy;
+  EXPECT_EQ(frames_until_keyframe(policy, 500), 20);
   policy.keyframe_added();
-  EXPECT_EQ(frames_until_keyframe(policy, 500, turned), 10);
-  policy.keyframe_added();
-  EXPECT_EQ(frames_until_keyframe(policy, 500, kMoved), 10);
+  EXPECT_EQ(frames_until_keyframe(policy, 500), 20);
 }
 
 TEST(KeyframePolicy, WhenTooFewOfTheLastOnesFeaturesAreTracked) {
   KeyframePolicy policy(kRules);
-  for (int frame = 0; frame < 5; ++frame) EXPECT_FALSE(policy.wants_keyframe(1000, false, kMoved));
-  EXPECT_FALSE(policy.wants_keyframe(851, false, kMoved));
-  EXPECT_TRUE(policy.wants_keyframe(849, false, kMoved));
+  for (int frame = 0; frame < 5; ++frame) EXPECT_FALSE(policy.wants_keyframe(1000, false));
+  EXPECT_FALSE(policy.wants_keyframe(851, false));
+  EXPECT_TRUE(policy.wants_keyframe(849, false));
 }
 
 TEST(KeyframePolicy, WhenNewStructureIsSeenInTwoFramesInARow) {
   KeyframePolicy policy(kRules);
-  for (int frame = 0; frame < 5; ++frame) EXPECT_FALSE(policy.wants_keyframe(100, false, kMoved));
-  EXPECT_FALSE(policy.wants_keyframe(100, true, kMoved)) << "one frame may be mistaken";
-  EXPECT_FALSE(policy.wants_keyframe(100, false, kMoved));
-  EXPECT_FALSE(policy.wants_keyframe(100, true, kMoved));
-  EXPECT_TRUE(policy.wants_keyframe(100, true, kMoved));
+  for (int frame = 0; frame < 5; ++frame) EXPECT_FALSE(policy.wants_keyframe(100, false));
+  EXPECT_FALSE(policy.wants_keyframe(100, true)) << "one frame may be mistaken";
+  EXPECT_FALSE(policy.wants_keyframe(100, false));
+  EXPECT_FALSE(policy.wants_keyframe(100, true));
+  EXPECT_TRUE(policy.wants_keyframe(100, true));
 }
 
 TEST(KeyframePolicy, NeverTooSoon) {
   KeyframePolicy policy(kRules);
-  EXPECT_FALSE(policy.wants_keyframe(100, true, kMoved));
-  EXPECT_FALSE(policy.wants_keyframe(1, true, kMoved));
-  EXPECT_TRUE(policy.wants_keyframe(1, true, kMoved));
+  EXPECT_FALSE(policy.wants_keyframe(100, true));
+  EXPECT_FALSE(policy.wants_keyframe(1, true));
+  EXPECT_TRUE(policy.wants_keyframe(1, true));
   policy.keyframe_added();
-  EXPECT_FALSE(policy.wants_keyframe(0, true, kMoved));
+  EXPECT_FALSE(policy.wants_keyframe(0, true));
 }
 
 TEST(KeyframePolicy, WithoutAnyFeaturesOnlyFramesCount) {
   // White walls: there is nothing to lose.
   KeyframePolicy policy(kRules);
-  EXPECT_EQ(frames_until_keyframe(policy, 0), 10);
+  EXPECT_EQ(frames_until_keyframe(policy, 0), 20);
 }
 
 }  // namespace
