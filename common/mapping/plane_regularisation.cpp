@@ -49,7 +49,19 @@ class ExpectedRow {
   float lateral_;
 };
 
-bool is_reading(float depth) { return depth > 0.0F && depth <= std::numeric_limits<float>::max(); }  // false for NaN
+/// 1/m; 0 where there is no reading.
+cv::Mat invert(const cv::Mat& depth) {
+  cv::Mat inverse(depth.size(), CV_32FC1);
+  tbb::parallel_for(0, depth.rows, [&](int v) {
+    const auto* const row = depth.ptr<float>(v);
+    auto* const inverted = inverse.ptr<float>(v);
+    for (int u = 0; u < depth.cols; ++u) {
+      const bool is_reading = row[u] > 0.0F && row[u] <= std::numeric_limits<float>::max();  // false for NaN
+      inverted[u] = is_reading ? 1.0F / row[u] : 0.0F;
+    }
+  });
+  return inverse;
+}
 
 /// Sums over the readings of a cell, or over those of a column within a row of cells.
 struct ErrorSums {
@@ -79,23 +91,25 @@ struct PlaneFitness {
   float noise = 0;  ///< rms error of the median cell of the plane, sigma; 0: it is nowhere to be seen
 };
 
-/// Sums of the columns of pixels, as arrays, so that the compiler computes several at once.
-struct ColumnSums {
+/// Sums of the columns of pixels, as arrays and without branches, so that the compiler computes several at once.
+class ColumnSums {
+ public:
   explicit ColumnSums(int width)
-      : readings(static_cast<std::size_t>(width)), errors(readings.size()), squares(readings.size()) {}
-  std::vector<float> readings, errors, squares;
+      : scale_(static_cast<std::size_t>(width)),
+        readings_(scale_.size()),
+        errors_(scale_.size()),
+        squares_(scale_.size()) {}
 
-  void add_row(const float* depth, const ExpectedRow& expected, const PlaneInImage::Span& span) {
-    float* const count = readings.data();
-    float* const sum = errors.data();
-    float* const sum_of_squares = squares.data();
+  void add_row(const float* inverse_depth, const ExpectedRow& expected, const PlaneInImage::Span& span) {
+    set_scale(expected, span);
+    float* const count = readings_.data();
+    float* const sum = errors_.data();
+    float* const sum_of_squares = squares_.data();
     for (int u = span.begin; u < span.end; ++u) {
-      const float inverse_depth = expected.inverse_depth(u);
-      const float deviation = 1.0F - depth[u] * inverse_depth;  // (1/z - w) z
-      const float unit = depth[u] * std::sqrt(expected.variance(inverse_depth));
-      const bool valid = is_reading(depth[u]);
-      const float error = valid ? deviation / unit : 0.0F;
-      count[u] += valid ? 1.0F : 0.0F;
+      const float is_reading = inverse_depth[u] > 0.0F ? 1.0F : 0.0F;
+      const float error =
+          (inverse_depth[u] - expected.inverse_depth(u)) * scale_[static_cast<std::size_t>(u)] * is_reading;
+      count[u] += is_reading;
       sum[u] += error;
       sum_of_squares[u] += error * error;
     }
@@ -103,22 +117,35 @@ struct ColumnSums {
 
   /// Moves the sums to a row of cells.
   void move_to(ErrorSums* cells) {
-    for (std::size_t u = 0; u < readings.size(); ++u) {
+    for (std::size_t u = 0; u < readings_.size(); ++u) {
       ErrorSums& cell = cells[u / kCell];
-      cell.readings += std::exchange(readings[u], 0.0F);
-      cell.errors += std::exchange(errors[u], 0.0F);
-      cell.squares += std::exchange(squares[u], 0.0F);
+      cell.readings += std::exchange(readings_[u], 0.0F);
+      cell.errors += std::exchange(errors_[u], 0.0F);
+      cell.squares += std::exchange(squares_[u], 0.0F);
     }
   }
+
+ private:
+  /// One over the standard deviation of a reading, which is taken to be one within a cell.
+  void set_scale(const ExpectedRow& expected, const PlaneInImage::Span& span) {
+    for (int begin = span.begin; begin < span.end;) {
+      const int end = std::min((begin / kCell + 1) * kCell, span.end);
+      const float inverse_depth = expected.inverse_depth((begin + end) / 2);
+      std::fill(scale_.begin() + begin, scale_.begin() + end, 1.0F / std::sqrt(expected.variance(inverse_depth)));
+      begin = end;
+    }
+  }
+
+  std::vector<float> scale_, readings_, errors_, squares_;
 };
 
-void measure_cells(const cv::Mat& depth, const CellGrid& grid, PlaneFitness& fitness) {
+void measure_cells(const cv::Mat& inverse_depth, const CellGrid& grid, PlaneFitness& fitness) {
   fitness.cells.resize(grid.size());
-  ColumnSums columns(depth.cols);
+  ColumnSums columns(inverse_depth.cols);
   const PlaneInImage& plane = fitness.plane;
   const int end = plane.first_row + static_cast<int>(plane.spans.size());
   for (int v = plane.first_row; v < end; ++v) {
-    columns.add_row(depth.ptr<float>(v), ExpectedRow(plane, v), plane.span(v));
+    columns.add_row(inverse_depth.ptr<float>(v), ExpectedRow(plane, v), plane.span(v));
     if (v % kCell == kCell - 1 || v + 1 == end) columns.move_to(&fitness.cells[grid.index(0, v / kCell)]);
   }
 }
@@ -160,14 +187,14 @@ const PlaneFitness* find_plane(const std::vector<PlaneFitness>& planes, std::siz
 }
 
 /// Fuses the readings of one row, from column `begin` to before `end`, with the plane.
-void fuse(const PlaneFitness& fitness, int row, int begin, int end, float* depth) {
+void fuse(const PlaneFitness& fitness, int row, int begin, int end, const float* inverse_depth, float* depth) {
   const PlaneInImage::Span span = fitness.plane.span(row);
   const ExpectedRow expected(fitness.plane, row);
   const float noise = fitness.noise * fitness.noise;
   for (int u = std::max(begin, span.begin); u < std::min(end, span.end); ++u) {
-    if (!is_reading(depth[u])) continue;
+    if (inverse_depth[u] == 0.0F) continue;
     const float on_plane = expected.inverse_depth(u);
-    const float deviation = 1.0F / depth[u] - on_plane;
+    const float deviation = inverse_depth[u] - on_plane;
     const float of_reading = noise * expected.variance(on_plane);
     if (deviation * deviation > kMaxReading * kMaxReading * of_reading) continue;
     const auto of_plane = static_cast<float>(std::max(fitness.plane.variance(u, row), 0.0));
@@ -187,8 +214,9 @@ cv::Mat regularise_depth(const cv::Mat& depth, const geometry::CameraModel& came
     if (auto in_image = project(plane, camera)) seen.push_back({*std::move(in_image), {}, 0.0F});
   }
   const CellGrid grid(depth);
+  const cv::Mat inverse_depth = invert(depth);
   tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t i) {
-    measure_cells(depth, grid, seen[i]);
+    measure_cells(inverse_depth, grid, seen[i]);
     measure_noise(seen[i]);
   });
   std::erase_if(seen, [](const PlaneFitness& plane) { return plane.noise == 0.0F; });
@@ -201,7 +229,7 @@ cv::Mat regularise_depth(const cv::Mat& depth, const geometry::CameraModel& came
       const int bottom = std::min(kCell * (cell_row + 1), depth.rows);
       const int right = kCell * (cell_column + 1);
       for (int v = kCell * cell_row; v < bottom; ++v) {
-        fuse(*plane, v, kCell * cell_column, right, regularised.ptr<float>(v));
+        fuse(*plane, v, kCell * cell_column, right, inverse_depth.ptr<float>(v), regularised.ptr<float>(v));
       }
     }
   });
