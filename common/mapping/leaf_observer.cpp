@@ -43,6 +43,7 @@ LeafObserver::LeafObserver(const image::RectifiedFrame& frame, const geometry::P
       cx_(all_of(frame.camera.cx)),
       cy_(all_of(frame.camera.cy)),
       width_(all_of(frame.camera.width)),
+      stride_(all_of(view_.stride())),
       right_(all_of(frame.camera.width - 1)),
       bottom_(all_of(frame.camera.height - 1)),
       voxel_size_(all_of(options.voxel_size)),
@@ -51,21 +52,9 @@ LeafObserver::LeafObserver(const image::RectifiedFrame& frame, const geometry::P
       best_variance_(all(TsdfUnits(options).best_variance())),
       steps_per_metre_(all(1.0F / TsdfUnits(options).metres_per_step())) {}
 
-bool LeafObserver::observe(const openvdb::Coord& origin, LeafReading& reading) const {
+LeafObserver::Outlook LeafObserver::look(const openvdb::Coord& origin) const {
   const Eigen::Vector3d first = options_.voxel_size * Eigen::Vector3d(origin.x(), origin.y(), origin.z());
   const Eigen::Vector3f corner = (camera_from_world_ * first).cast<float>();
-  switch (look(corner)) {
-    case Sight::nothing:
-      return false;
-    case Sight::plain:
-      return observe_voxels<Sight::plain>(corner, reading);
-    case Sight::mixed:
-      return observe_voxels<Sight::mixed>(corner, reading);
-  }
-  return false;
-}
-
-LeafObserver::Sight LeafObserver::look(const Eigen::Vector3f& corner) const {
   // The leaf's corners: four on each of two faces.
   constexpr float kSide = kLeafSide - 1;
   const auto coordinates = [&](int axis, float along_z) {
@@ -78,7 +67,7 @@ LeafObserver::Sight LeafObserver::look(const Eigen::Vector3f& corner) const {
   const Points back{coordinates(0, kSide), coordinates(1, kSide), coordinates(2, kSide)};
   const float nearest_z = least(min(front.z, back.z));
   const float farthest_z = greatest(max(front.z, back.z));
-  if (nearest_z < kLeastDepth) return Sight::mixed;
+  if (nearest_z < kLeastDepth) return {Sight::mixed, {-1.0F}, corner};
 
   const Pixels a = project<Sight::plain>(front);
   const Pixels b = project<Sight::plain>(back);
@@ -88,36 +77,73 @@ LeafObserver::Sight LeafObserver::look(const Eigen::Vector3f& corner) const {
   const float bottom = greatest(max(a.v, b.v)) + kMargin;
   const auto last_x = static_cast<float>(view_.width() - 1);
   const auto last_y = static_cast<float>(view_.height() - 1);
-  if (right < 0.0F || bottom < 0.0F || left > last_x || top > last_y) return Sight::nothing;
-  const DepthRange range =
-      view_.range(static_cast<int>(std::max(left, 0.0F)), static_cast<int>(std::max(top, 0.0F)),
-                  static_cast<int>(std::min(right + 1.0F, last_x)), static_cast<int>(std::min(bottom + 1.0F, last_y)));
-  if (!is_in_band(range, nearest_z, farthest_z)) return Sight::nothing;
+  if (right < 0.0F || bottom < 0.0F || left > last_x || top > last_y) return {};
+  Outlook outlook =
+      look(corner,
+           {static_cast<int>(std::max(left, 0.0F)), static_cast<int>(std::max(top, 0.0F)),
+            static_cast<int>(std::min(right + 1.0F, last_x)), static_cast<int>(std::min(bottom + 1.0F, last_y))},
+           nearest_z, farthest_z);
   const bool is_inside = left >= 0.0F && top >= 0.0F && right < last_x && bottom < last_y;
-  return is_inside && range.is_plain ? Sight::plain : Sight::mixed;
+  if (outlook.sight == Sight::plain && !is_inside) outlook.sight = Sight::mixed;
+  return outlook;
 }
 
-bool LeafObserver::is_in_band(const DepthRange& range, float nearest_z, float farthest_z) const {
-  if (range.high == 0.0F) return false;
+LeafObserver::Outlook LeafObserver::look(const Eigen::Vector3f& corner, const PixelRect& pixels, float nearest_z,
+                                         float farthest_z) const {
+  const DepthRange range = view_.range(pixels);
+  if (range.high == 0.0F) return {};
   const float nearest = 1.0F / range.high;
   const float farthest = 1.0F / range.low;
-  const auto limit =
-      std::max(truncation(options_, static_cast<double>(nearest)), truncation(options_, static_cast<double>(farthest)));
-  const float reach = static_cast<float>(limit) / range.obliqueness + kRounding;
-  return nearest_z <= farthest + reach && farthest_z >= nearest - reach;
+  const auto limit_near = static_cast<float>(truncation(options_, static_cast<double>(nearest))) / range.obliqueness;
+  const auto limit_far = static_cast<float>(truncation(options_, static_cast<double>(farthest))) / range.obliqueness;
+  const float reach = std::max(limit_near, limit_far) + kRounding;
+  if (nearest_z > farthest + reach || farthest_z < nearest - reach) return {};
+
+  // With inverse depths q = plane·(x, y, z) / z + residual, a voxel is (1 - q z) / q along the axis from what its pixel
+  // shows: out of the band if |1 - q z| is above q times the reach, which is largest at one end of the range.
+  const Eigen::Vector3f plane = view_.plane_amid(pixels);
+  const Residuals residuals = view_.residuals(pixels, plane);
+  const float band = std::max(limit_near * range.high, limit_far * range.low) + kRounding * range.high;
+  const float to_back = band - farthest_z * std::min(0.0F, residuals.low);
+  const float to_front = band + farthest_z * std::max(0.0F, residuals.high);
+  const Linear beyond{plane.dot(corner) - 1.0F, steps_.transpose() * plane};
+  if (beyond.least() > to_back || beyond.greatest() < -to_front) return {};
+  return {range.is_plain ? Sight::plain : Sight::mixed, {beyond.at_first - to_back, beyond.steps}, corner};
+}
+
+bool LeafObserver::observe(const Outlook& outlook, LeafReading& reading) const {
+  static const bool has_avx2 = processor_has_avx2();
+  return has_avx2 ? observe_voxels_avx2(outlook, reading) : observe_voxels(outlook, reading);
+}
+
+EG_AVX2 bool LeafObserver::observe_voxels_avx2(const Outlook& outlook, LeafReading& reading) const {
+  return observe_voxels(outlook, reading);
+}
+
+inline bool LeafObserver::observe_voxels(const Outlook& outlook, LeafReading& reading) const {
+  return outlook.sight == Sight::plain ? observe_rows<Sight::plain>(outlook, reading)
+                                       : observe_rows<Sight::mixed>(outlook, reading);
 }
 
 template <LeafObserver::Sight sight>
-bool LeafObserver::observe_voxels(const Eigen::Vector3f& corner, LeafReading& reading) const {
+inline bool LeafObserver::observe_rows(const Outlook& outlook, LeafReading& reading) const {
+  const Linear& behind = outlook.behind;
   const Float4 along_z = {0.0F, 1.0F, 2.0F, 3.0F};
   const Points steps{along_z * steps_(0, 2), along_z * steps_(1, 2), along_z * steps_(2, 2)};
+  const float least_behind = behind.at_first + std::min(0.0F, 3.0F * behind.steps.z());  // of a group
   Found found;
   std::size_t group = 0;
   for (int x = 0; x < kLeafSide; ++x) {
-    const Eigen::Vector3f plane = corner + static_cast<float>(x) * steps_.col(0);
+    const Eigen::Vector3f plane = outlook.corner + static_cast<float>(x) * steps_.col(0);
     for (int y = 0; y < kLeafSide; ++y) {
       const Eigen::Vector3f row = plane + static_cast<float>(y) * steps_.col(1);
+      const float row_behind =
+          least_behind + behind.steps.x() * static_cast<float>(x) + behind.steps.y() * static_cast<float>(y);
       for (int z = 0; z < kLeafSide; z += 4, ++group) {
+        if (row_behind + static_cast<float>(z) * behind.steps.z() > 0.0F) {
+          reading.weight[group] = kNone;
+          continue;
+        }
         const Eigen::Vector3f start = row + static_cast<float>(z) * steps_.col(2);
         observe_group<sight>({start.x() + steps.x, start.y() + steps.y, start.z() + steps.z}, group, reading, found);
       }
@@ -130,13 +156,11 @@ bool LeafObserver::observe_voxels(const Eigen::Vector3f& corner, LeafReading& re
 template <LeafObserver::Sight sight>
 inline void LeafObserver::observe_group(const Points& points, std::size_t group, LeafReading& reading,
                                         Found& found) const {
-  reading.weight[group] = kNone;
+  // Without branches: they would wait for the depth, and be foreseen too rarely.
   const Pixels pixels = project<sight>(points);
-  if (sight == Sight::mixed && !any(pixels.inside)) return;
   const Distances measured = measure<sight>(points.z, sample<sight>(pixels));
-  if (!any(measured.known)) return;
   reading.weight[group] = weigh(measured) & measured.known;
-  reading.distance[group] = round(min(measured.distance, measured.limit) * steps_per_metre_) & measured.known;
+  reading.distance[group] = round(min(measured.distance, measured.limit) * steps_per_metre_);
   found.near |= measured.known & (measured.distance < measured.limit);
   const Int4 beside = measured.known & (abs(measured.distance) < max(kColourVoxels * voxel_size_, measured.sigma));
   const Float4 pixel = to_float(truncate(pixels.v + kHalf)) * width_ + to_float(truncate(pixels.u + kHalf));
@@ -159,9 +183,9 @@ template <LeafObserver::Sight sight>
 inline LeafObserver::Depths LeafObserver::sample(const Pixels& pixels) const {
   const Float4 x = to_float(truncate(pixels.u));
   const Float4 y = to_float(truncate(pixels.v));
-  const Int4 pixel = truncate(y * width_ + x);  // exact: images have fewer than 2^24 pixels
+  const Int4 pixel = truncate(y * stride_ + x);  // exact: images have fewer than 2^24 pixels
   const float* const upper_row = view_.signed_inverse_depth();
-  const float* const lower_row = upper_row + view_.width();
+  const float* const lower_row = upper_row + view_.stride();
   const Float4 upper01 = load_pairs(upper_row + pixel[0], upper_row + pixel[1]);
   const Float4 upper23 = load_pairs(upper_row + pixel[2], upper_row + pixel[3]);
   const Float4 lower01 = load_pairs(lower_row + pixel[0], lower_row + pixel[1]);
@@ -208,7 +232,6 @@ inline Int4 LeafObserver::weigh(const Distances& distances) const {
   const Float4 sure = max(voxel_size_, kSureSigmas * sigma);
   const Float4 weight = min(all(1.0F), best_variance_ / (sigma * sigma)) * static_cast<float>(TsdfUnits::kMaxWeight);
   const Int4 is_sure = distances.distance >= -sure;
-  if (!any(~is_sure)) return truncate(max(all(1.0F), weight + kHalf));
   const Float4 certainty = is_sure ? all(1.0F) : (distances.limit + distances.distance) / (distances.limit - sure);
   return truncate(max(all(1.0F), weight * certainty + kHalf));
 }

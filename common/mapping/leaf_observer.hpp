@@ -29,19 +29,37 @@ class LeafObserver {
 
   [[nodiscard]] const DepthView& view() const { return view_; }
 
-  /// Projective distance, made perpendicular: the voxels' distance from the plane of the surface that their pixel
-  /// shows. In front of the surface it is cut off, not left out: seen free space removes what other views took for the
-  /// inside of thin objects. False if no voxel is nearer to the surface than the truncation distance: free space alone
-  /// is nothing that needs a leaf.
-  bool observe(const openvdb::Coord& origin, LeafReading& reading) const;
-
- private:
   /// What there is to be seen of a leaf.
   enum class Sight : std::uint8_t {
     nothing,  ///< it is out of sight, behind the surfaces or in free space
     plain,    ///< it lies inside the image, where every pixel has a reading and no depth edge is near
     mixed,
   };
+  /// A linear function of a voxel's number in its leaf.
+  struct Linear {
+    float at_first = 0.0F;
+    Eigen::Vector3f steps = Eigen::Vector3f::Zero();  ///< to the next voxel along x, y and z
+
+    [[nodiscard]] float least() const { return at_first + (kLeafSide - 1) * steps.cwiseMin(0.0F).sum(); }
+    [[nodiscard]] float greatest() const { return at_first + (kLeafSide - 1) * steps.cwiseMax(0.0F).sum(); }
+  };
+  /// What is known of a leaf before its voxels are looked up.
+  struct Outlook {
+    Sight sight = Sight::nothing;
+    Linear behind = {};  ///< where it is positive, voxels are behind the band around all that their pixels show
+    Eigen::Vector3f corner = Eigen::Vector3f::Zero();  ///< the leaf's first voxel in the camera frame
+  };
+
+  /// By the bounds of the pixels around a leaf.
+  [[nodiscard]] Outlook look(const openvdb::Coord& origin) const;
+
+  /// Looks the voxels of a leaf up of which something is to be seen. Projective distance, made perpendicular: the
+  /// voxels' distance from the plane of the surface that their pixel shows. In front of the surface it is cut off, not
+  /// left out: seen free space removes what other views took for the inside of thin objects. False if no voxel is
+  /// nearer to the surface than the truncation distance: free space alone is nothing that needs a leaf.
+  bool observe(const Outlook& outlook, LeafReading& reading) const;
+
+ private:
   /// Of four voxels in the camera frame.
   struct Points {
     Float4 x, y, z;
@@ -63,13 +81,16 @@ class LeafObserver {
     Float4 sigma;     ///< standard deviation of the reading
   };
 
-  /// By the bounds of the pixels around a leaf, `corner` being its first voxel in the camera frame.
-  [[nodiscard]] Sight look(const Eigen::Vector3f& corner) const;
-  /// The same for the range of its depths: whether the band around what the pixels show may reach it.
-  [[nodiscard]] bool is_in_band(const DepthRange& range, float nearest_z, float farthest_z) const;
-  /// observe() voxel by voxel. `sight` is plain or mixed; what is plain needs fewer cases.
+  /// look() for the pixels and depths that the leaf spans. They show a plane, up to residuals: depth minus z, over the
+  /// depth, is there linear in space.
+  [[nodiscard]] Outlook look(const Eigen::Vector3f& corner, const PixelRect& pixels, float nearest_z,
+                             float farthest_z) const;
+  /// observe(), and the same in the instructions of processors that have AVX2.
+  bool observe_voxels(const Outlook& outlook, LeafReading& reading) const;
+  bool observe_voxels_avx2(const Outlook& outlook, LeafReading& reading) const;
+  /// What is plain needs fewer cases.
   template <Sight sight>
-  bool observe_voxels(const Eigen::Vector3f& corner, LeafReading& reading) const;
+  bool observe_rows(const Outlook& outlook, LeafReading& reading) const;
   /// What becomes of a leaf's groups together.
   struct Found {
     Int4 near = {};     ///< mask: voxels nearer to the surface than the truncation distance
@@ -89,7 +110,7 @@ class LeafObserver {
   geometry::Pose camera_from_world_;
   TsdfOptions options_;
   Eigen::Matrix3f steps_;  ///< columns: to the next voxel along x, y, z of the world, in the camera frame
-  Float4 fx_, fy_, cx_, cy_, width_, right_, bottom_;
+  Float4 fx_, fy_, cx_, cy_, width_, stride_, right_, bottom_;
   Float4 voxel_size_, least_truncation_, truncation_sigmas_;
   Float4 best_variance_, steps_per_metre_;
 };

@@ -30,8 +30,8 @@ void sort_unique(std::vector<Eigen::Vector3i>& tiles);
 /// The tiles that leaves (numbers = origin / leaf side) lie in, in lexicographic order.
 std::vector<Eigen::Vector3i> tiles_of_leaves(const std::vector<Eigen::Vector3i>& leaves);
 
-/// Adds the tiles whose surface depends on a voxel of the leaf (number = origin / leaf side).
-void append_tiles_around_leaf(const Eigen::Vector3i& leaf, std::vector<Eigen::Vector3i>& tiles);
+/// The tiles whose surface depends on a voxel of the leaves (numbers = origin / leaf side), in lexicographic order.
+std::vector<Eigen::Vector3i> tiles_around_leaves(const std::vector<Eigen::Vector3i>& leaves);
 
 /// Adds the tile and those around it, whose surface depends on its voxels and its own on theirs.
 void append_tiles_around_tile(const Eigen::Vector3i& tile, std::vector<Eigen::Vector3i>& tiles);

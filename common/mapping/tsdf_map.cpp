@@ -55,7 +55,8 @@ struct TsdfMap::Impl {
     }
     const IntegrationResult result = frame_change.apply(change, grids);
     pager.note_changed(tiles_of_leaves(result.changed_leaves));
-    for (const Eigen::Vector3i& leaf : result.changed_leaves) append_tiles_around_leaf(leaf, changed_tiles);
+    const std::vector<Eigen::Vector3i> tiles = tiles_around_leaves(result.changed_leaves);
+    changed_tiles.insert(changed_tiles.end(), tiles.begin(), tiles.end());
     keep_owned(changed_tiles);
     sort_unique(changed_tiles);
     return result.summary;

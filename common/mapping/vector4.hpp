@@ -3,14 +3,43 @@
 #include <cstdint>
 #include <cstring>
 
+/// Compiles a function, with all that it calls, for processors that have AVX2: the same operations in instructions of
+/// three operands, which choose between two values at once. None of them fuses a product and a sum: the bits are the
+/// same. Only to be called where processor_has_avx2().
+#if defined(__x86_64__)
+#define EG_AVX2 __attribute__((target("avx2"), flatten))
+#else
+#define EG_AVX2
+#endif
+
 /// Four numbers at once, by the vector types that GCC and Clang have on every processor. Each lane computes what a
 /// scalar would, to the last bit. Comparisons give masks, and `mask ? a : b` chooses by lanes.
 namespace eg::mapping {
+
+inline bool processor_has_avx2() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") != 0;
+#else
+  return false;
+#endif
+}
 
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));  ///< also the masks: all bits or none
 
 inline Float4 all(float x) { return Float4{x, x, x, x}; }
+inline Float4 load(const float* from) {
+  Float4 values;
+  std::memcpy(&values, from, sizeof values);
+  return values;
+}
+inline Int4 load(const std::int32_t* from) {
+  Int4 values;
+  std::memcpy(&values, from, sizeof values);
+  return values;
+}
+inline void store(Float4 values, float* to) { std::memcpy(to, &values, sizeof values); }
+inline void store(Int4 values, std::int32_t* to) { std::memcpy(to, &values, sizeof values); }
 inline Float4 min(Float4 a, Float4 b) { return a < b ? a : b; }
 inline Float4 max(Float4 a, Float4 b) { return a > b ? a : b; }
 inline Float4 abs(Float4 x) { return reinterpret_cast<Float4>(reinterpret_cast<Int4>(x) & 0x7fffffff); }
