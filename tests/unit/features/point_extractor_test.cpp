@@ -78,7 +78,8 @@ TEST(PointExtractor, LevelsAgreeOnWhereABlobIs) {
   cv::Mat image(240, 240, CV_8UC1, cv::Scalar(30));
   cv::rectangle(image, {100, 100}, {139, 139}, cv::Scalar(200), cv::FILLED);
   const auto points = extract_points(image, flat_depth(image, 2.0F));
-  std::array<Eigen::Vector2d, 8> sum{};
+  std::array<Eigen::Vector2d, 8> sum;
+  sum.fill(Eigen::Vector2d::Zero());
   std::array<int, 8> count{};
   for (const PointFeature& point : points) {
     sum[static_cast<std::size_t>(point.octave)] += point.pixel;
