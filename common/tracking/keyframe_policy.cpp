@@ -9,7 +9,9 @@ bool KeyframePolicy::wants_keyframe(int tracked, bool sees_new_structure) {
   best_tracked_ = std::max(best_tracked_, tracked);
   new_structure_run_ = sees_new_structure ? new_structure_run_ + 1 : 0;
   if (frames_since_ < options_.min_frames) return false;
-  return frames_since_ >= options_.max_frames || tracked < options_.min_tracked_ratio * best_tracked_ ||
+  const double min_ratio =
+      best_tracked_ < options_.many_features ? options_.min_tracked_ratio : options_.min_tracked_ratio_of_many;
+  return frames_since_ >= options_.max_frames || tracked < min_ratio * best_tracked_ ||
          new_structure_run_ >= options_.new_structure_frames;
 }
 

@@ -161,12 +161,11 @@ PoseSolution optimize_pose(const PoseProblem& problem, const geometry::Pose& ini
   return solution;
 }
 
-PoseSolution without_directions(const PoseProblem& problem, const PoseSolution& solution,
-                                const PoseOptimizerOptions& options) {
+PoseSolution without_directions(const PoseProblem& problem, const PoseSolution& solution) {
+  constexpr int kSteps = 2;  // from so near, each step squares what is left of the way
   PoseSolution without = solution;
   without.direction_inliers.assign(problem.directions.size(), false);
-  without.camera_from_world =
-      descend(problem, solution.camera_from_world, FreeParameters::pose, options.iterations, without);
+  without.camera_from_world = descend(problem, solution.camera_from_world, FreeParameters::pose, kSteps, without);
   without.information = linearize_measurements(problem, without.camera_from_world, without).hessian;
   without.camera_from_world.rotation = geometry::nearest_rotation(without.camera_from_world.rotation);
   return without;

@@ -94,8 +94,7 @@ PoseSolution optimize_pose(const PoseProblem& problem, const geometry::Pose& ini
                            FreeParameters free, const PoseOptimizerOptions& options = {});
 
 /// The pose that the measurements of a solution have without the directions among them, and their information.
-PoseSolution without_directions(const PoseProblem& problem, const PoseSolution& solution,
-                                const PoseOptimizerOptions& options = {});
+PoseSolution without_directions(const PoseProblem& problem, const PoseSolution& solution);
 
 /// T ← exp(δ) T for δ = (rotation, translation): the perturbation that all Jacobians here refer to.
 geometry::Pose perturb(const geometry::Pose& camera_from_world, const Vector6d& delta);

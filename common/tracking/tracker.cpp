@@ -341,7 +341,7 @@ int Tracker::features_of_last_keyframe(const Frame& frame) const {
 
 std::optional<DirectionViews> Tracker::direction_views(const Frame& frame) const {
   if (frame.associations.empty()) return std::nullopt;
-  const PoseSolution by_map = without_directions(frame.problem, frame.solution, options_.optimizer);
+  const PoseSolution by_map = without_directions(frame.problem, frame.solution);
   if (observability(by_map.information).rotation_sigma > options_.max_rotation_sigma) return std::nullopt;
   const Pose world_from_camera = by_map.camera_from_world.inverse();
   return DirectionViews{

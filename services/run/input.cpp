@@ -21,7 +21,9 @@ std::int64_t limited(std::int64_t available, std::int64_t limit) {
 
 /// The services' working folder may be another one.
 std::string absolute_if_file(const std::string& name_or_file) {
-  return std::filesystem::exists(name_or_file) ? std::filesystem::absolute(name_or_file).string() : name_or_file;
+  std::error_code ignored;
+  const bool is_file = std::filesystem::exists(name_or_file, ignored) && !geometry::find_camera(name_or_file);
+  return is_file ? std::filesystem::absolute(name_or_file).string() : name_or_file;
 }
 
 base::Result<Input> inspect_synthetic(const RunOptions& options) {

@@ -39,7 +39,9 @@ int main(int argc, char** argv) {
     section.section("keyframes", "when a frame becomes a keyframe")
         .field("max_frames", options.keyframes.max_frames, {1, 10000}, "frames since the last one")
         .field("min_frames", options.keyframes.min_frames, {1, 10000}, "frames between two at least")
-        .field("min_tracked_ratio", options.keyframes.min_tracked_ratio, {0.0, 1.0}, "of the last one's features");
+        .field("min_tracked_ratio", options.keyframes.min_tracked_ratio, {0.0, 1.0}, "of the last one's features")
+        .field("min_tracked_ratio_of_many", options.keyframes.min_tracked_ratio_of_many, {0.0, 1.0}, "of many_features")
+        .field("many_features", options.keyframes.many_features, {1, 10000}, "tracked features");
     section.section("search", "where map features are looked for")
         .field("radius", options.search.radius, {1.0, 500.0}, "pixels around the predicted pose")
         .field("refined_radius", options.refined_search_radius, {1.0, 500.0}, "pixels around the first solution")

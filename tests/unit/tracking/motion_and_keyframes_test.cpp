@@ -100,8 +100,12 @@ TEST(MotionModel, TwoFramesAtOnceAreNoDivisionByZero) {
 }
 
 /// Explicit, so that the rules are tested and not the figures.
-constexpr KeyframeOptions kRules{
-    .max_frames = 20, .min_tracked_ratio = 0.85, .min_frames = 3, .new_structure_frames = 2};
+constexpr KeyframeOptions kRules{.max_frames = 20,
+                                 .min_tracked_ratio = 0.85,
+                                 .min_tracked_ratio_of_many = 0.7,
+                                 .many_features = 200,
+                                 .min_frames = 3,
+                                 .new_structure_frames = 2};
 
 /// How many frames pass until a keyframe is wanted, at most 100.
 int frames_until_keyframe(KeyframePolicy& policy, int tracked) {
@@ -120,9 +124,16 @@ TEST(KeyframePolicy, TwentyFramesAfterTheLastAsInThePaper) {
 
 TEST(KeyframePolicy, WhenTooFewOfTheLastOnesFeaturesAreTracked) {
   KeyframePolicy policy(kRules);
+  for (int frame = 0; frame < 5; ++frame) EXPECT_FALSE(policy.wants_keyframe(100, false));
+  EXPECT_FALSE(policy.wants_keyframe(86, false));
+  EXPECT_TRUE(policy.wants_keyframe(84, false));
+}
+
+TEST(KeyframePolicy, WhereManyFeaturesAreInViewMoreOfThemMayGo) {
+  KeyframePolicy policy(kRules);
   for (int frame = 0; frame < 5; ++frame) EXPECT_FALSE(policy.wants_keyframe(1000, false));
-  EXPECT_FALSE(policy.wants_keyframe(851, false));
-  EXPECT_TRUE(policy.wants_keyframe(849, false));
+  EXPECT_FALSE(policy.wants_keyframe(701, false));
+  EXPECT_TRUE(policy.wants_keyframe(699, false));
 }
 
 TEST(KeyframePolicy, WhenNewStructureIsSeenInTwoFramesInARow) {
