@@ -11,8 +11,7 @@
 namespace eg::features {
 namespace {
 
-constexpr double kStraightness = 0.0007;  // radians: edges of real things are not straighter than that
-constexpr double kCauchyScale = 2.5;      // standard deviations
+constexpr double kCauchyScale = 2.5;  // standard deviations
 
 /// Sums over the evidence at a direction.
 struct Normal {

@@ -10,6 +10,9 @@
 
 namespace eg::features {
 
+/// Radians: edges of real things are not straighter than that.
+inline constexpr double kStraightness = 0.0007;
+
 /// What one line says about the direction v it runs in, as two independent measurements: v lies in the plane of the
 /// camera and the line, normal · v = 0 (pixels), and, if the line has depth, sideways · v = 0 within that plane.
 struct DirectionEvidence {

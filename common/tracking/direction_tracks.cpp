@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 
+#include "common/features/direction_evidence.hpp"
 #include "common/geometry/so3.hpp"
 
 namespace eg::tracking {
@@ -10,8 +11,8 @@ namespace {
 using features::DirectionFeature;
 using features::DirectionKind;
 
-/// rad²: edges of real things are straight to 0.0007, and no average makes them straighter.
-constexpr double kCommonVariance = 0.0007 * 0.0007;
+/// rad²: no average makes edges straighter than they are.
+constexpr double kCommonVariance = features::kStraightness * features::kStraightness;
 /// rad² (0.01°): exact data must not divide by zero.
 constexpr double kLeastVariance = 3e-8;
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 
+#include "common/features/direction_evidence.hpp"
 #include "common/tracking/direction_tracks.hpp"
 #include "tests/support/random_geometry.hpp"
 
@@ -14,7 +15,7 @@ using features::DirectionFeature;
 using features::DirectionKind;
 
 constexpr double kNoise = 0.5 * test::kDegree;
-constexpr double kStraightness = 0.0007;  // radians: what DirectionTracks says that no average removes
+using features::kStraightness;  // what no average removes
 const egraph::LandmarkId kLandmark{3};
 
 /// One frame that sees one direction of the world; owns what DirectionViews points to.
