@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/geometry/depth_noise.hpp"
 #include "common/tracking/segment_error.hpp"
 
 namespace eg::tracking {
@@ -15,39 +14,13 @@ using features::LineFeature;
 using features::PointFeature;
 using geometry::Pose;
 
-/// Edge of the cells of the spatial index, metres: about a third of the range of a structured-light camera.
-constexpr double kCellSize = 2.0;
-/// Beyond this range (metres) depth is too uncertain to expect a feature to be found again.
-constexpr double kMaxRange = 8.0;
 /// A feature expected at least this often and found in less than this share of the frames is culled.
 constexpr int kMinExpected = 20;
 constexpr double kMinFoundRatio = 0.25;
+/// A line that so many keyframes saw is there: it is hidden, or breaks into other pieces from here.
+constexpr int kConfirmingViews = 2;
 /// Floor on a map point's variance (0.5 mm): what calibration leaves even after many views.
 constexpr double kMinVariance = 2.5e-7;
-
-std::array<std::int32_t, 3> cell_of(const Eigen::Vector3d& position) {
-  const Eigen::Vector3d scaled = position / kCellSize;
-  return {static_cast<std::int32_t>(std::floor(scaled.x())), static_cast<std::int32_t>(std::floor(scaled.y())),
-          static_cast<std::int32_t>(std::floor(scaled.z()))};
-}
-
-Eigen::Vector3d centre_of(const std::array<std::int32_t, 3>& cell) {
-  return kCellSize * (Eigen::Vector3d(cell[0], cell[1], cell[2]) + Eigen::Vector3d::Constant(0.5));
-}
-
-/// Whether a sphere around the cell's centre reaches into the viewing cone of the camera.
-bool cell_in_view(const std::array<std::int32_t, 3>& cell, const geometry::CameraModel& camera,
-                  const Pose& camera_from_world) {
-  const double radius = kCellSize * std::sqrt(3.0);  // half a diagonal, and as much again for lines across cells
-  const Eigen::Vector3d centre = camera_from_world * centre_of(cell);
-  if (centre.norm() > kMaxRange + radius) return false;
-  const double half_diagonal =
-      std::hypot(camera.width / (2.0 * camera.fx), camera.height / (2.0 * std::abs(camera.fy)));
-  const double half_angle = std::atan(half_diagonal);
-  const double off_axis = std::atan2(centre.head<2>().norm(), centre.z());
-  const double apparent = centre.norm() > radius ? std::asin(radius / centre.norm()) : M_PI;
-  return off_axis - apparent < half_angle;
-}
 
 Eigen::Matrix3d point_covariance(const PointFeature& point, const geometry::CameraModel& camera) {
   const Eigen::Vector3d ray = camera.ray(point.pixel);
@@ -75,12 +48,8 @@ void note_observers(std::span<const Match<MapId>> matches, KeyframeId keyframe, 
   }
 }
 
-template <typename T>
-void cull_if_rarely_found(T& feature) {
-  if (feature.visibility.expected >= kMinExpected &&
-      feature.visibility.found < kMinFoundRatio * feature.visibility.expected) {
-    feature.alive = false;
-  }
+bool is_rarely_found(const Visibility& visibility) {
+  return visibility.expected >= kMinExpected && visibility.found < kMinFoundRatio * visibility.expected;
 }
 
 }  // namespace
@@ -127,7 +96,7 @@ void Map::add_points(MapKeyframe& keyframe) {
     point.first_seen = keyframe.id;
     point.observations = 1;
     points_.push_back(point);
-    point_cells_[cell_of(point.position)].push_back(point.id);
+    point_index_.add(point.id, point.position);
     keyframe.matches.points.push_back({static_cast<std::int32_t>(i), point.id});
   }
 }
@@ -167,8 +136,10 @@ void Map::add_lines(MapKeyframe& keyframe) {
     line.track_id = feature.track_id;
     line.first_seen = keyframe.id;
     line.observations = 1;
+    const Eigen::Vector3d middle = 0.5 * (line.start + line.end);
+    line.viewed_from = (pose.translation - middle).normalized();
     lines_.push_back(line);
-    line_cells_[cell_of(0.5 * (line.start + line.end))].push_back(line.id);
+    line_index_.add(line.id, middle);
     keyframe.matches.lines.push_back({static_cast<std::int32_t>(i), line.id});
   }
 }
@@ -193,35 +164,12 @@ void Map::add_planes(MapKeyframe& keyframe) {
   }
 }
 
-template <typename Id, typename Index>
-std::vector<Id> Map::near(const Index& index, const geometry::CameraModel& camera,
-                          const Pose& camera_from_world) const {
-  const Cell centre = cell_of(camera_from_world.inverse().translation);
-  const int reach = static_cast<int>(std::ceil(kMaxRange / kCellSize)) + 1;
-  std::vector<Id> ids;
-  for (std::int32_t x = centre[0] - reach; x <= centre[0] + reach; ++x) {
-    for (std::int32_t y = centre[1] - reach; y <= centre[1] + reach; ++y) {
-      for (std::int32_t z = centre[2] - reach; z <= centre[2] + reach; ++z) {
-        if (!cell_in_view({x, y, z}, camera, camera_from_world)) continue;
-        const auto cell = index.find({x, y, z});
-        if (cell != index.end()) ids.insert(ids.end(), cell->second.begin(), cell->second.end());
-      }
-    }
-  }
-  std::sort(ids.begin(), ids.end());
-  return ids;
-}
-
 std::vector<PointId> Map::points_near(const geometry::CameraModel& camera, const Pose& camera_from_world) const {
-  std::vector<PointId> ids = near<PointId>(point_cells_, camera, camera_from_world);
-  std::erase_if(ids, [&](PointId id) { return !point(id).alive; });
-  return ids;
+  return point_index_.near(camera, camera_from_world);
 }
 
 std::vector<LineId> Map::lines_near(const geometry::CameraModel& camera, const Pose& camera_from_world) const {
-  std::vector<LineId> ids = near<LineId>(line_cells_, camera, camera_from_world);
-  std::erase_if(ids, [&](LineId id) { return !line(id).alive; });
-  return ids;
+  return line_index_.near(camera, camera_from_world);
 }
 
 void Map::count_visibility(std::span<const PointId> expected_points, std::span<const LineId> expected_lines,
@@ -229,14 +177,14 @@ void Map::count_visibility(std::span<const PointId> expected_points, std::span<c
   for (const PointMatch& match : found.points) ++points_[static_cast<std::size_t>(match.id.value)].visibility.found;
   for (const LineMatch& match : found.lines) ++lines_[static_cast<std::size_t>(match.id.value)].visibility.found;
   for (const PointId id : expected_points) {
-    MapPoint& point = points_[static_cast<std::size_t>(id.value)];
-    ++point.visibility.expected;
-    cull_if_rarely_found(point);
+    Visibility& visibility = points_[static_cast<std::size_t>(id.value)].visibility;
+    ++visibility.expected;
+    if (is_rarely_found(visibility)) cull(id);
   }
   for (const LineId id : expected_lines) {
     MapLine& line = lines_[static_cast<std::size_t>(id.value)];
     ++line.visibility.expected;
-    cull_if_rarely_found(line);
+    if (is_rarely_found(line.visibility) && line.observations < kConfirmingViews) cull(id);
   }
 }
 
@@ -288,7 +236,13 @@ void Map::move_plane(PlaneId id, const geometry::Plane& plane) {
   planes_[static_cast<std::size_t>(id.value)].estimate.plane = plane;
 }
 
-void Map::cull(PointId id) { points_[static_cast<std::size_t>(id.value)].alive = false; }
-void Map::cull(LineId id) { lines_[static_cast<std::size_t>(id.value)].alive = false; }
+void Map::cull(PointId id) {
+  points_[static_cast<std::size_t>(id.value)].alive = false;
+  point_index_.remove(id);
+}
+void Map::cull(LineId id) {
+  lines_[static_cast<std::size_t>(id.value)].alive = false;
+  line_index_.remove(id);
+}
 
 }  // namespace eg::tracking

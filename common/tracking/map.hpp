@@ -12,6 +12,7 @@
 #include "common/geometry/plane.hpp"
 #include "common/geometry/pose.hpp"
 #include "common/tracking/plane_estimate.hpp"
+#include "common/tracking/spatial_index.hpp"
 
 namespace eg::tracking {
 
@@ -51,6 +52,7 @@ struct MapLine {
   Eigen::Vector3d end = Eigen::Vector3d::Zero();
   Eigen::Matrix3d start_covariance = Eigen::Matrix3d::Zero();  ///< m²
   Eigen::Matrix3d end_covariance = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d viewed_from = Eigen::Vector3d::UnitZ();  ///< unit vector from its middle to the camera that made it
   features::Descriptor descriptor{};
   std::int32_t track_id = -1;
   KeyframeId first_seen;
@@ -137,7 +139,7 @@ class Map {
                                                const geometry::Pose& camera_from_world) const;
 
   /// Counts that features were expected in a frame, and which of them were found. What is expected often and found
-  /// rarely is culled.
+  /// rarely is culled, unless it is a line that a second keyframe confirmed.
   void count_visibility(std::span<const PointId> expected_points, std::span<const LineId> expected_lines,
                         const Matches& found);
 
@@ -154,21 +156,16 @@ class Map {
   void cull(LineId id);
 
  private:
-  using Cell = std::array<std::int32_t, 3>;
-
   void add_points(MapKeyframe& keyframe);
   void add_lines(MapKeyframe& keyframe);
   void add_planes(MapKeyframe& keyframe);
-  template <typename Id, typename Index>
-  std::vector<Id> near(const Index& index, const geometry::CameraModel& camera,
-                       const geometry::Pose& camera_from_world) const;
 
   std::vector<MapPoint> points_;
   std::vector<MapLine> lines_;
   std::vector<MapPlane> planes_;
   std::vector<MapKeyframe> keyframes_;
-  std::map<Cell, std::vector<PointId>> point_cells_;    ///< where each point was made; it moves less than a cell
-  std::map<Cell, std::vector<LineId>> line_cells_;      ///< by middle point
+  SpatialIndex<PointId> point_index_;                   ///< the living
+  SpatialIndex<LineId> line_index_;                     ///< the living, by middle point
   std::vector<std::vector<Observer>> point_observers_;  ///< one list per point, by id
   std::vector<std::vector<Observer>> line_observers_;
   std::vector<std::vector<Observer>> plane_observers_;

@@ -23,12 +23,12 @@ struct MatchOptions {
 int hamming_distance(const features::Descriptor& a, const features::Descriptor& b);
 
 /// Looks for map points near the places where the predicted pose puts them. One to one. A known track id decides by
-/// itself.
+/// itself, and of landmarks that share one, the oldest is meant: newer ones came from views that did not agree with it.
 std::vector<PointMatch> match_points(const features::FrameFeatures& frame, const Map& map,
                                      std::span<const PointId> candidates, const geometry::Pose& camera_from_world,
                                      const MatchOptions& options = {});
 
-/// Looks for map segments along the places where the predicted pose puts them. One to one.
+/// Looks for map segments along the places where the predicted pose puts them. One to one. Track ids as above.
 std::vector<LineMatch> match_lines(const features::FrameFeatures& frame, const Map& map,
                                    std::span<const LineId> candidates, const geometry::Pose& camera_from_world,
                                    const MatchOptions& options = {});
@@ -38,10 +38,6 @@ std::vector<LineMatch> match_lines(const features::FrameFeatures& frame, const M
 std::vector<PlaneMatch> match_planes(const features::FrameFeatures& frame, const Map& map,
                                      const geometry::Pose& camera_from_world, double position_sigma,
                                      const MatchOptions& options = {});
-
-/// The candidates that the predicted pose puts into the image.
-std::vector<PointId> visible_points(const geometry::CameraModel& camera, const Map& map,
-                                    std::span<const PointId> candidates, const geometry::Pose& camera_from_world);
 
 /// Matches by descriptor alone between a frame and a keyframe's points, mutually best. For when there is no prediction.
 std::vector<PointMatch> match_points_by_descriptor(const features::FrameFeatures& frame, const Map& map,

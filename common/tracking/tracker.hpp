@@ -73,7 +73,6 @@ class Tracker {
   [[nodiscard]] const Map& map() const { return map_; }
 
  private:
-  /// Everything known about the frame being tracked.
   struct Frame;
 
   TrackResult track_parts(const features::FrameFeatures& features);
@@ -92,6 +91,7 @@ class Tracker {
   void refine_against_map(Frame& frame) const;
   void match_and_build_problem(Frame& frame, double radius) const;
   void keep_inliers(Frame& frame) const;
+  void count_visibility(const Frame& frame);
   /// Whether one wall holds two turns and a distance while the third turn has been predicted for a short time only.
   [[nodiscard]] bool follows_one_wall(const Frame& frame, const Observability& observed) const;
   /// Whether the prediction is sharper than the gates within which planes are matched: no other plane can stand in.

@@ -60,7 +60,8 @@ class Noise {
 void see_points(const FeatureWorld& world, const Pose& camera_from_world, const SensorNoise& sensor,
                 base::Random& random, FrameFeatures& frame) {
   Noise noise(sensor, random);
-  for (const WorldCorner& corner : world.corners) {
+  for (std::size_t i = 0; i < world.corners.size(); ++i) {
+    const WorldCorner& corner = world.corners[i];
     const Eigen::Vector3d point = camera_from_world * corner.position;
     if (point.z() < kNearest || point.z() > kFurthest || !frame.camera.contains(frame.camera.project(point))) continue;
     if (sensor.disturb && random.uniform() < sensor.missing) continue;
@@ -74,6 +75,7 @@ void see_points(const FeatureWorld& world, const Pose& camera_from_world, const 
     feature.depth = point.z() + noise(feature.depth_sigma);
     feature.descriptor =
         sensor.disturb ? seen_again(corner.descriptor, sensor.descriptor_flip, random) : corner.descriptor;
+    if (sensor.identities) feature.track_id = static_cast<std::int32_t>(i);
     if (frame.camera.contains(feature.pixel)) frame.points.push_back(feature);
   }
 }
@@ -134,6 +136,7 @@ std::vector<std::size_t> see_lines(const FeatureWorld& world, const Pose& camera
     line.start_covariance = line.end_covariance = sensor.line_end * sensor.line_end * Eigen::Matrix3d::Identity();
     line.descriptor = sensor.disturb ? seen_again(world.lines[i].descriptor, sensor.descriptor_flip, random)
                                      : world.lines[i].descriptor;
+    if (sensor.identities) line.track_id = static_cast<std::int32_t>(i);
     frame.lines.push_back(line);
     shown.push_back(i);
   }

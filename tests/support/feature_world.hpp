@@ -49,6 +49,7 @@ FeatureWorld make_room(const RoomOptions& options = {});
 /// How a camera disturbs what it sees; the same figures are the covariances that it reports.
 struct SensorNoise {
   bool disturb = true;            ///< false: exact measurements, the covariances as below
+  bool identities = false;        ///< points and lines carry their numbers in the world as track ids
   double pixel = 0.5;             ///< pixels, on the finest pyramid level
   double descriptor_flip = 0.03;  ///< probability per bit
   double missing = 0.1;           ///< share of points that the detector overlooks

@@ -163,6 +163,15 @@ TEST(Map, CullsWhatIsExpectedOftenAndFoundRarely) {
   EXPECT_EQ(map.points().size(), 2U) << "its number keeps its meaning";
 }
 
+TEST(Map, KeepsALineThatASecondKeyframeConfirmed) {
+  const FrameFeatures frame = frame_of({}, {line_between({0, 0, 2}, {1, 0, 2})});
+  Map map;
+  map.add_keyframe(frame, Pose{}, {});
+  map.add_keyframe(frame, Pose{}, {{}, {{0, LineId{0}}}, {}});
+  for (int expected = 0; expected < 100; ++expected) map.count_visibility({}, std::vector{LineId{0}}, {});
+  EXPECT_EQ(map.lines_near(kCamera, Pose{}).size(), 1U);
+}
+
 TEST(Map, KeepsWhatIsFoundOftenEnough) {
   Map map;
   map.add_keyframe(frame_of({point_at({0, 0, 2})}), Pose{}, {});

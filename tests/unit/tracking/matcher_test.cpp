@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/tracking/visibility.hpp"
 #include "tests/support/feature_world.hpp"
 #include "tests/support/random_geometry.hpp"
 #include "tests/unit/tracking/hand_made_frames.hpp"
@@ -113,6 +114,15 @@ TEST(MatchPoints, AKnownTrackIdDecides) {
   ASSERT_EQ(matches.size(), 1U);
   EXPECT_EQ(matches[0].feature, 1);
   EXPECT_TRUE(matched(map, {decoy}).empty());
+}
+
+TEST(MatchPoints, OfTwoWithTheSameTrackIdTakesTheOlder) {
+  PointFeature point = point_at({20, 400}, with_bits(40));
+  point.track_id = 7;
+  const Map map = map_of(frame_of({point, point}));
+  const auto matches = matched(map, {point});
+  ASSERT_EQ(matches.size(), 1U);
+  EXPECT_EQ(matches[0].id, PointId{0});
 }
 
 TEST(MatchPoints, OfNothing) {

@@ -1,0 +1,33 @@
+#include "common/tracking/tracker_frame.hpp"
+#include "common/tracking/visibility.hpp"
+
+/// What speaks for a pose and what against it.
+namespace eg::tracking {
+
+bool Tracker::follows_one_wall(const Frame& frame, const Observability& observed) const {
+  return !lost_ && frame.solution.inlier_planes() > 0 && observed.second_rotation_sigma < options_.max_rotation_sigma &&
+         motion_.unseen_turn_sigma() < options_.max_unseen_turn;
+}
+
+bool Tracker::planes_are_unmistakable(const Frame& frame) const {
+  return !lost_ && 3.0 * frame.prediction.rotation_sigma < options_.search.max_plane_angle &&
+         3.0 * frame.prediction.translation_sigma < options_.search.max_plane_distance;
+}
+
+bool Tracker::misses_expected_points(const Frame& frame) const {
+  const auto expected = visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world);
+  return static_cast<int>(expected.size()) >= options_.min_expected_points &&
+         static_cast<int>(frame.features.points.size()) >= options_.min_expected_points &&
+         frame.solution.inlier_points() < options_.min_points_without_planes;
+}
+
+bool Tracker::points_contradict(const Frame& frame) const {
+  return !planes_are_unmistakable(frame) && misses_expected_points(frame);
+}
+
+bool Tracker::leads_away(const Frame& frame) const {
+  const bool misses_planes = 2 * frame.solution.inlier_planes() < static_cast<int>(frame.features.planes.size());
+  return misses_planes || misses_expected_points(frame);
+}
+
+}  // namespace eg::tracking

@@ -1,0 +1,42 @@
+#include <string>
+
+#include "common/tracking/tracker_frame.hpp"
+
+/// What the tracker does when it does not know where it is.
+namespace eg::tracking {
+namespace {
+
+using features::FrameFeatures;
+using geometry::Pose;
+
+}  // namespace
+
+TrackResult Tracker::recover(const FrameFeatures& features, const std::string& why) {
+  // The newest keyframe first: most losses are a quick turn. Then the others in turn, a few per frame.
+  const auto keyframes = map_.keyframes();
+  for (int candidate = 0; candidate < options_.relocalisation_candidates; ++candidate) {
+    const std::size_t index = candidate == 0
+                                  ? keyframes.size() - 1
+                                  : (next_candidate_ + static_cast<std::size_t>(candidate)) % keyframes.size();
+    const auto pose = relocalise(features, map_, keyframes[index], options_.relocaliser);
+    if (!pose) continue;
+    Frame frame{.features = features, .prediction = {*pose, 0.1, 0.1}};
+    frame.camera_from_world = *pose;
+    follow_graph_rotation(frame);
+    frame.camera_from_world = *pose;
+    refine_against_map(frame);
+    const Observability observed = observability(frame.solution.information);
+    if (frame.solution.inlier_points() < options_.relocaliser.min_inliers ||
+        observed.translation_sigma > options_.max_translation_sigma) {
+      continue;
+    }
+    motion_.reset(features.header.utime, frame.camera_from_world);
+    return finish(frame, TrackingState::relocalised, "found keyframe " + std::to_string(keyframes[index].id.value));
+  }
+  next_candidate_ += static_cast<std::size_t>(options_.relocalisation_candidates - 1);
+  lost_ = true;
+  state_ = TrackingState::lost;
+  return refuse(features, why);
+}
+
+}  // namespace eg::tracking
