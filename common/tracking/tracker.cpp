@@ -48,7 +48,7 @@ TrackResult Tracker::track(const FrameFeatures& features) {
 
 TrackResult Tracker::track_parts(const FrameFeatures& features) {
   if (std::string objection = time_objection(features.header.utime); !objection.empty()) {
-    return refuse(features, std::move(objection));
+    return refuse(features.header, std::move(objection));
   }
   if (map_.empty()) return initialise(features);
   const std::int64_t blind = features.header.utime - last_measured_utime_;
@@ -56,6 +56,11 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
 
   Frame frame = estimate(features);
   if (points_contradict(frame)) return recover(features, "planes fit here, but none of the expected points");
+
+  if (finds_much_less(frame)) {
+    std::optional<Frame> place = find_known_place(features);
+    if (place && 2 * found(frame) < found(*place)) return go_on_at_known_place(*place);
+  }
 
   const Observability observed = observability(frame.solution.information);
   const bool proven = frame.solution.inlier_points() >= options_.min_points_without_planes ||
@@ -73,11 +78,15 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
     frame.unseen_turn = observed.worst_turn;
     return finish(frame, TrackingState::rotation_only, "a single direction in view: the turn about it is predicted");
   }
-  return recover(features, "matches determine neither rotation nor translation");
+  const bool empty = features.points.empty() && features.lines.empty() && features.planes.empty();
+  return recover(features, empty ? "no feature in view" : "matches determine neither rotation nor translation");
 }
 
 std::string Tracker::time_objection(std::int64_t utime) {
-  if (utime <= last_utime_) return "refused: time stamp is not later than the last frame's";
+  if (utime <= last_utime_ && !clock_was_set_back(utime)) {
+    return "refused: time stamp is not later than the last frame's";
+  }
+  past_begin_utime_ = past_utime_ = -1;
   const bool leaps = last_utime_ >= 0 && utime - last_utime_ > options_.max_leap_utime;
   const bool confirmed = leap_utime_ >= 0 && utime > leap_utime_ && utime - leap_utime_ <= options_.max_leap_utime;
   if (leaps && !confirmed) {
@@ -90,20 +99,34 @@ std::string Tracker::time_objection(std::int64_t utime) {
   return {};
 }
 
+bool Tracker::clock_was_set_back(std::int64_t utime) {
+  // Not a few late frames, but a second of them, each later than the one before: their time is the time from now on.
+  if (past_begin_utime_ < 0 || utime <= past_utime_) past_begin_utime_ = utime;
+  past_utime_ = utime;
+  if (utime - past_begin_utime_ < options_.max_past_utime) return false;
+  last_utime_ = past_begin_utime_;
+  if (map_.empty()) return true;
+  // The camera has moved on meanwhile, but not far: the last pose still says where to look.
+  motion_.reset(past_begin_utime_, motion_.predict(last_measured_utime_).camera_from_world);
+  last_measured_utime_ = past_begin_utime_;
+  lost_ = true;
+  return true;
+}
+
 TrackResult Tracker::initialise(const FrameFeatures& features) {
   const auto has_depth = [](const auto& feature) { return feature.has_depth(); };
   const auto points = std::count_if(features.points.begin(), features.points.end(), has_depth);
   if (features.planes.empty() && points < options_.min_points_without_planes) {
-    return refuse(features, "waiting for a frame with a plane or enough points with depth");
+    return refuse(features.header, "waiting for a frame with a plane or enough points with depth");
   }
   Frame frame{.features = features, .prediction = {}};
   motion_.reset(features.header.utime, Pose{});
   return finish(frame, TrackingState::tracking, "first keyframe");
 }
 
-TrackResult Tracker::refuse(const FrameFeatures& features, std::string reason) const {
+TrackResult Tracker::refuse(const image::FrameHeader& header, std::string reason) const {
   TrackResult result;
-  result.estimate.header = features.header;
+  result.estimate.header = header;
   result.estimate.state = state_;  // a frame that is refused changes nothing
   result.estimate.reason = std::move(reason);
   return result;
@@ -132,6 +155,7 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
                  frame.unseen_turn);
   if (frame.unseen_turn) return result;  // a guess: neither for the map nor for the graph
   last_measured_utime_ = frame.features.header.utime;
+  last_found_ = found(frame);
 
   count_visibility(frame);
   if (map_.empty() || policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame))) {

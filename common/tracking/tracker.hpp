@@ -40,6 +40,7 @@ struct TrackerOptions {
   double max_rotation_sigma = 0.0175;        ///< radians (1°): worse is `lost`
   double max_unseen_turn = 0.14;             ///< radians (8°): beyond it the next wall is not told from its neighbours
   std::int64_t max_leap_utime = 60'000'000;  ///< microseconds; a longer leap ahead takes two frames to be believed
+  std::int64_t max_past_utime = 1'000'000;   ///< microseconds of frames in order before the last: a clock set back
   std::int64_t max_blind_utime = 2'000'000;  ///< microseconds for which the last pose still says where to look
   int min_points_without_planes = 7;         ///< fewer agreeing points are no proof of a pose
   int min_expected_points = 20;  ///< so many, and hardly one found: planes that fit are another room corner's
@@ -60,6 +61,9 @@ class Tracker {
 
   TrackResult track(const features::FrameFeatures& frame);
 
+  /// The answer to a frame of which nothing but the header can be used: no pose, the state is as before. `reason`: why.
+  [[nodiscard]] TrackResult refuse(const image::FrameHeader& header, std::string reason) const;
+
   /// Goes on in a map of an earlier session, together with its graph: lost until a frame shows a known place. To be
   /// called before the first frame.
   void continue_in(Map map, egraph::Graph graph);
@@ -78,10 +82,14 @@ class Tracker {
   TrackResult track_parts(const features::FrameFeatures& features);
   TrackResult initialise(const features::FrameFeatures& features);
   TrackResult recover(const features::FrameFeatures& features, const std::string& why);
+  /// Where the descriptors of a keyframe's points put the camera. Tries a few keyframes, other ones each time.
+  std::optional<Frame> find_known_place(const features::FrameFeatures& features);
+  TrackResult go_on_at_known_place(Frame& frame);
   TrackResult finish(Frame& frame, TrackingState state, std::string reason);
-  TrackResult refuse(const features::FrameFeatures& features, std::string reason) const;
   /// Why a frame of this time cannot be the next one; empty if it can.
   std::string time_objection(std::int64_t utime);
+  /// Whether a frame from before the last one shows that the clock was set back.
+  bool clock_was_set_back(std::int64_t utime);
 
   /// Rotation from the graph, translation, refinement; without the graph where it leads away from the map's points.
   [[nodiscard]] Frame estimate(const features::FrameFeatures& features) const;
@@ -100,6 +108,12 @@ class Tracker {
   [[nodiscard]] bool misses_expected_points(const Frame& frame) const;
   /// That, or most planes in view are not those of the map.
   [[nodiscard]] bool leads_away(const Frame& frame) const;
+  /// Points and lines of the map that the pose puts where they are seen.
+  [[nodiscard]] int found(const Frame& frame) const;
+  /// Less than half of what the frame before found: hardly any movement between two frames explains that.
+  [[nodiscard]] bool finds_much_less(const Frame& frame) const;
+  /// That, or leads away though the prediction is sharp.
+  [[nodiscard]] bool is_doubtful(const Frame& frame) const;
   /// Missing points after a loss or a long step.
   [[nodiscard]] bool points_contradict(const Frame& frame) const;
   [[nodiscard]] bool sees_new_structure(const Frame& frame) const;
@@ -123,7 +137,10 @@ class Tracker {
   TrackingState state_ = TrackingState::initialising;   ///< after the last frame that was not refused
   std::int64_t last_utime_ = -1;
   std::int64_t leap_utime_ = -1;           ///< of a refused frame that came from far ahead
+  std::int64_t past_begin_utime_ = -1;     ///< of the first of the frames refused in a row as earlier than the last one
+  std::int64_t past_utime_ = -1;           ///< of the newest of them
   std::int64_t last_measured_utime_ = -1;  ///< when the rotation was last determined
+  int last_found_ = 0;                     ///< points and lines, by the last frame that measured its rotation
   bool lost_ = false;
   std::size_t next_candidate_ = 0;  ///< round robin over keyframes while lost
 };

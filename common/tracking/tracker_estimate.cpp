@@ -23,10 +23,10 @@ std::vector<Match> only(const std::vector<Match>& matches, const std::vector<boo
 
 Tracker::Frame Tracker::estimate(const FrameFeatures& features) const {
   Frame frame = estimate(features, options_.parts.egraph);
-  if (!frame.rotation_from_graph || !planes_are_unmistakable(frame) || !leads_away(frame)) return frame;
-  // Directions of the frame were taken for others of the graph: see where the prediction, which is sharp, leads alone.
+  if (!frame.rotation_from_graph || !is_doubtful(frame)) return frame;
+  // Directions of the frame were taken for others of the graph, or are wrong: see where the prediction leads alone.
   Frame predicted = estimate(features, false);
-  return leads_away(predicted) ? std::move(frame) : std::move(predicted);
+  return is_doubtful(predicted) ? std::move(frame) : std::move(predicted);
 }
 
 Tracker::Frame Tracker::estimate(const FrameFeatures& features, bool with_graph) const {

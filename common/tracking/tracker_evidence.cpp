@@ -25,6 +25,14 @@ bool Tracker::points_contradict(const Frame& frame) const {
   return !planes_are_unmistakable(frame) && misses_expected_points(frame);
 }
 
+int Tracker::found(const Frame& frame) const { return frame.solution.inlier_points() + frame.solution.inlier_lines(); }
+
+bool Tracker::finds_much_less(const Frame& frame) const { return 2 * found(frame) < last_found_; }
+
+bool Tracker::is_doubtful(const Frame& frame) const {
+  return finds_much_less(frame) || (planes_are_unmistakable(frame) && leads_away(frame));
+}
+
 bool Tracker::leads_away(const Frame& frame) const {
   const bool misses_planes = 2 * frame.solution.inlier_planes() < static_cast<int>(frame.features.planes.size());
   return misses_planes || misses_expected_points(frame);

@@ -20,6 +20,7 @@ struct Tracker::Frame {
   Matches matches{};
   PoseProblem problem{};
   PoseSolution solution{};
+  KeyframeId known_place{};                      ///< found by its descriptors
   std::optional<Eigen::Vector3d> unseen_turn{};  ///< axis, camera frame, about which nothing was measured
 };
 

@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 
 #include "common/tracking/tracker_frame.hpp"
@@ -11,7 +12,7 @@ using geometry::Pose;
 
 }  // namespace
 
-TrackResult Tracker::recover(const FrameFeatures& features, const std::string& why) {
+std::optional<Tracker::Frame> Tracker::find_known_place(const FrameFeatures& features) {
   // The newest keyframe first: most losses are a quick turn. Then the others in turn, a few per frame.
   const auto keyframes = map_.keyframes();
   for (int candidate = 0; candidate < options_.relocalisation_candidates; ++candidate) {
@@ -25,18 +26,27 @@ TrackResult Tracker::recover(const FrameFeatures& features, const std::string& w
     follow_graph_rotation(frame);
     frame.camera_from_world = *pose;
     refine_against_map(frame);
+    frame.known_place = keyframes[index].id;
     const Observability observed = observability(frame.solution.information);
-    if (frame.solution.inlier_points() < options_.relocaliser.min_inliers ||
-        observed.translation_sigma > options_.max_translation_sigma) {
-      continue;
+    if (frame.solution.inlier_points() >= options_.relocaliser.min_inliers &&
+        observed.translation_sigma <= options_.max_translation_sigma) {
+      return frame;
     }
-    motion_.reset(features.header.utime, frame.camera_from_world);
-    return finish(frame, TrackingState::relocalised, "found keyframe " + std::to_string(keyframes[index].id.value));
   }
   next_candidate_ += static_cast<std::size_t>(options_.relocalisation_candidates - 1);
+  return std::nullopt;
+}
+
+TrackResult Tracker::go_on_at_known_place(Frame& frame) {
+  motion_.reset(frame.features.header.utime, frame.camera_from_world);
+  return finish(frame, TrackingState::relocalised, "found keyframe " + std::to_string(frame.known_place.value));
+}
+
+TrackResult Tracker::recover(const FrameFeatures& features, const std::string& why) {
+  if (std::optional<Frame> frame = find_known_place(features)) return go_on_at_known_place(*frame);
   lost_ = true;
   state_ = TrackingState::lost;
-  return refuse(features, why);
+  return refuse(features.header, why);
 }
 
 }  // namespace eg::tracking
