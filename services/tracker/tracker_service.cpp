@@ -42,8 +42,9 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 TrackerService::TrackerService(service::ServiceContext& context, tracking::TrackerOptions options)
     : context_(context), options_(options), session_(0, options) {
   const int capacity = context_.options().lockstep ? kMaxWaiting : 2;
-  context_.subscribe<features::FrameFeatures>(messages::channels::kFeatures, capacity,
-                                              [this](const features::FrameFeatures& frame) { on_features(frame); });
+  context_.subscribe<features::FrameFeatures>(
+      messages::channels::kFeatures, capacity, [this](const features::FrameFeatures& frame) { on_features(frame, {}); },
+      [this](messages::ByteView bytes, const std::string& why) { on_refused_features(bytes, why); });
   context_.subscribe<egraph::GraphUpdate>(messages::channels::kGraphUpdate, service::kStateQueue,
                                           [this](const egraph::GraphUpdate& update) { on_graph_update(update); });
   context_.subscribe<egraph::GraphSnapshot>(
@@ -58,7 +59,16 @@ TrackerService::TrackerService(service::ServiceContext& context, tracking::Track
                                             [this](const messages::EndOfStream& end) { on_end_of_stream(end); });
 }
 
-void TrackerService::on_features(const features::FrameFeatures& frame) {
+void TrackerService::on_refused_features(messages::ByteView bytes, const std::string& why) {
+  // Else lockstep would wait for this frame for ever, and no result say what became of it.
+  const auto header = messages::decode_features_header(bytes);
+  if (!header) return;
+  features::FrameFeatures nothing;
+  nothing.header = *header;
+  on_features(nothing, "refused: " + why);
+}
+
+void TrackerService::on_features(const features::FrameFeatures& frame, const std::string& refusal) {
   if (!enter_session(frame.header.session)) {
     context_.status().count_rejected("FEATURES: field 'session' differs from the session being tracked");
     return;
@@ -73,7 +83,7 @@ void TrackerService::on_features(const features::FrameFeatures& frame) {
   if (frame.header.sequence < first_unanswered) return acknowledge(first_unanswered - 1);  // of a source started anew
   if (frame.header.sequence < session_.next_sequence) return;
   if (session_.waiting.size() >= std::size_t{kMaxWaiting}) return;
-  session_.waiting.emplace(frame.header.sequence, frame);
+  session_.waiting.emplace(frame.header.sequence, WaitingFrame{frame, refusal});
   track_waiting_frames();
 }
 
@@ -189,24 +199,30 @@ void TrackerService::track_waiting_frames() {
     const auto first = session_.waiting.begin();
     if (context_.options().lockstep && first->first != session_.next_sequence)
       return;  // lost on the way; the source sends it again
-    const features::FrameFeatures frame = std::move(first->second);
+    const WaitingFrame frame = std::move(first->second);
     session_.waiting.erase(first);
     track(frame);
   }
 }
 
-void TrackerService::track(const features::FrameFeatures& frame) {
+void TrackerService::track(const WaitingFrame& frame) {
   const auto start = std::chrono::steady_clock::now();
-  const Answer result = compute(frame);
-  note(messages::channels::kFeatures, frame);
-  say(result);
+  if (frame.refusal.empty()) {
+    const Answer result = conclude(session_.tracker.track(frame.features));
+    note(messages::channels::kFeatures, frame.features);
+    say(result);
+  } else {
+    const tracking::TrackResult refused = session_.tracker.refuse(frame.features.header, frame.refusal);
+    note(messages::channels::kPose, refused.estimate);
+    say(conclude(refused));
+  }
   context_.status().count_frame(milliseconds_since(start));
 }
 
-TrackerService::Answer TrackerService::compute(const features::FrameFeatures& frame) {
-  context_.status().count_sequence(frame.header.session, frame.header.sequence);
-  tracking::TrackResult result = session_.tracker.track(frame);
-  session_.next_sequence = frame.header.sequence + 1;
+TrackerService::Answer TrackerService::conclude(tracking::TrackResult result) {
+  const image::FrameHeader header = result.estimate.header;
+  context_.status().count_sequence(header.session, header.sequence);
+  session_.next_sequence = header.sequence + 1;
   session_.record.add(result.estimate, session_.tracker.map());
   Answer answer{{}, std::move(result.keyframe), session_.corrections.add(session_.id, std::move(result.corrections))};
   if (answer.keyframe) {
@@ -259,7 +275,14 @@ base::Status TrackerService::replay(const transport::LogEvent& event) {
     const auto frame = messages::decode<features::FrameFeatures>(event.bytes);
     if (!frame) return tl::make_unexpected(frame.error());
     enter_session(frame->header.session);
-    compute(*frame);
+    conclude(session_.tracker.track(*frame));
+    return {};
+  }
+  if (event.channel == messages::channels::kPose) {
+    const auto refused = messages::decode<tracking::PoseEstimate>(event.bytes);
+    if (!refused) return tl::make_unexpected(refused.error());
+    enter_session(refused->header.session);
+    conclude({*refused, {}, {}});
     return {};
   }
   if (event.channel == messages::channels::kGraphUpdate) return replay_news<egraph::GraphUpdate>(event.bytes);

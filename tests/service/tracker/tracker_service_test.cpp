@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -47,6 +48,30 @@ TEST(TrackerService, InLockstepTheNextFrameWaitsForTheGraphUpdate) {
   EXPECT_TRUE(rig.poses->empty()) << "the keyframe itself is answered when the map has followed the graph";
   rig.answer_keyframes();
   EXPECT_EQ(rig.order(), numbers(3));
+}
+
+/// Whatever the clock: lockstep would wait for a frame without an answer for ever.
+TEST(TrackerService, AFrameThatIsRefusedIsAnsweredWithTheReason) {
+  for (const bool lockstep : {true, false}) {
+    Rig rig(lockstep);
+    for (std::size_t i = 0; i < 20; ++i) {
+      FrameFeatures sent = frame(i);
+      if (i == 0 || i == 10) sent.points[3].pixel.x() = std::nan("");
+      rig.send(channels::kFeatures, sent);
+      rig.answer_keyframes();
+    }
+    ASSERT_EQ(rig.order(), numbers(20));
+    for (const std::size_t i : {std::size_t{0}, std::size_t{10}}) {
+      const PoseEstimate& refused = (*rig.poses)[i];
+      EXPECT_EQ(refused.state, i == 0 ? TrackingState::initialising : TrackingState::tracking) << "as before";
+      EXPECT_FALSE(refused.has_pose);
+      EXPECT_EQ(refused.reason, "refused: FEATURES: field 'points[3].pixel' is not finite");
+      EXPECT_FALSE(refused.keyframe.valid());
+    }
+    for (std::size_t i = 11; i < 20; ++i) EXPECT_TRUE((*rig.poses)[i].has_pose) << i;
+    EXPECT_EQ(rig.acknowledged->size(), 20U);
+    EXPECT_EQ(rig.status().rejected, 2);
+  }
 }
 
 TEST(TrackerService, InRealTimeNothingWaits) {
