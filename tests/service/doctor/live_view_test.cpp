@@ -153,6 +153,17 @@ TEST(Probe, SaysThatNothingComesBack) {
   EXPECT_THAT(found.what, HasSubstr("0 of 10"));
 }
 
+TEST(Probe, DoesNotMindWhatAnotherDoctorSends) {
+  transport::MemoryNetwork::Disturbance each_twice;
+  each_twice.duplication = 1.0;
+  transport::MemoryBus bus(std::make_shared<transport::MemoryNetwork>(each_twice));
+  const Finding found = probe(bus);
+  EXPECT_EQ(found.severity, Severity::good);
+  EXPECT_THAT(found.what, HasSubstr("10 of 10"));
+  ASSERT_TRUE(bus.publish("DOCTOR_PROBE", std::vector<std::uint8_t>(1)));
+  EXPECT_EQ(bus.handle(std::chrono::milliseconds(0)).value(), 2);  // the probe is over: nothing of it may be in use
+}
+
 TEST(MachineChecks, SayWhatToDoAboutTheUrl) {
   EXPECT_THAT(check_machine("udpm://239.255.76.67:7667?ttl=x"), finding(Severity::error, "'ttl=x'"));
   const Findings findings = check_machine("udpm://239.255.76.67:7667?ttl=3");
