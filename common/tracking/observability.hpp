@@ -14,11 +14,8 @@ struct Observability {
 
 Observability observability(const Matrix6d& information);
 
-/// The solved pose, but with the predicted position along every direction in which the measurements leave it more
-/// uncertain than `max_translation_sigma` (metres): there a few wrong matches would carry the camera away. A turn that
-/// the measurements leave open is as uncertain as the prediction's.
-geometry::Pose keep_predicted_where_unobserved(const MotionPrior& prediction, const geometry::Pose& solved,
-                                               const Matrix6d& information, double max_translation_sigma);
+/// Covariance of (rotation, translation) of a left perturbation of camera_from_world, from measurements and prior.
+Matrix6d camera_covariance(const Matrix6d& information, const MotionPrior& prior);
 
 /// Covariance of (rotation, translation) of a left perturbation of world_from_camera, from the information about
 /// camera_from_world. `prior` bounds what the measurements leave open.

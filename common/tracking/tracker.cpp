@@ -63,20 +63,19 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
   }
 
   const Observability observed = observability(frame.solution.information);
-  const bool proven = frame.solution.inlier_points() >= options_.min_points_without_planes ||
-                      frame.solution.inlier_planes() > 0 || frame.solution.inlier_lines() >= 4;
-  if (proven && observed.translation_sigma < options_.max_translation_sigma) {
+  if (is_proven(frame) && observed.translation_sigma < options_.max_translation_sigma) {
     if (lost_) return finish(frame, TrackingState::relocalised, "found near the last pose");
     return finish(frame, TrackingState::tracking, "");
   }
-  frame.camera_from_world = keep_predicted_where_unobserved(frame.prediction, frame.camera_from_world,
-                                                            frame.solution.information, options_.max_translation_sigma);
   if (observed.rotation_sigma < options_.max_rotation_sigma) {
     return finish(frame, TrackingState::rotation_only, "matches do not determine the translation");
   }
   if (follows_one_wall(frame, observed)) {
     frame.unseen_turn = observed.worst_turn;
     return finish(frame, TrackingState::rotation_only, "a single direction in view: the turn about it is predicted");
+  }
+  if (goes_on_as_before(frame)) {
+    return finish(frame, TrackingState::rotation_only, "matches and the motion so far together hold the rotation");
   }
   const bool empty = features.points.empty() && features.lines.empty() && features.planes.empty();
   return recover(features, empty ? "no feature in view" : "matches determine neither rotation nor translation");
@@ -107,7 +106,7 @@ bool Tracker::clock_was_set_back(std::int64_t utime) {
   last_utime_ = past_begin_utime_;
   if (map_.empty()) return true;
   // The camera has moved on meanwhile, but not far: the last pose still says where to look.
-  motion_.reset(past_begin_utime_, motion_.predict(last_measured_utime_).camera_from_world);
+  motion_.reset(past_begin_utime_, motion_.predict(last_measured_utime_));
   last_measured_utime_ = past_begin_utime_;
   lost_ = true;
   return true;
@@ -119,8 +118,8 @@ TrackResult Tracker::initialise(const FrameFeatures& features) {
   if (features.planes.empty() && points < options_.min_points_without_planes) {
     return refuse(features.header, "waiting for a frame with a plane or enough points with depth");
   }
-  Frame frame{.features = features, .prediction = {}};
-  motion_.reset(features.header.utime, Pose{});
+  Frame frame{.features = features, .prediction = known_within(Pose{}, 0.0, 0.0)};
+  motion_.reset(features.header.utime, frame.prediction);
   return finish(frame, TrackingState::tracking, "first keyframe");
 }
 
@@ -151,8 +150,7 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
   }
   lost_ = false;
   state_ = state;
-  motion_.update(frame.features.header.utime, frame.camera_from_world, state != TrackingState::rotation_only,
-                 frame.unseen_turn);
+  motion_.update(frame.features.header.utime, frame.camera_from_world, frame.solution.information, frame.unseen_turn);
   if (frame.unseen_turn) return result;  // a guess: neither for the map nor for the graph
   last_measured_utime_ = frame.features.header.utime;
   last_found_ = found(frame);

@@ -43,6 +43,7 @@ struct TrackerOptions {
   std::int64_t max_past_utime = 1'000'000;   ///< microseconds of frames in order before the last: a clock set back
   std::int64_t max_blind_utime = 2'000'000;  ///< microseconds for which the last pose still says where to look
   int min_points_without_planes = 7;         ///< fewer agreeing points are no proof of a pose
+  int min_named_points = 4;                  ///< of known identity: three determine a pose and one confirms it
   int min_expected_points = 20;  ///< so many, and hardly one found: planes that fit are another room corner's
 };
 
@@ -100,6 +101,10 @@ class Tracker {
   void match_and_build_problem(Frame& frame, double radius) const;
   void keep_inliers(Frame& frame) const;
   void count_visibility(const Frame& frame);
+  /// Whether so much agrees with the map that it is no chance.
+  [[nodiscard]] bool is_proven(const Frame& frame) const;
+  /// Whether the prediction, with the little that was measured, still knows the rotation.
+  [[nodiscard]] bool goes_on_as_before(const Frame& frame) const;
   /// Whether one wall holds two turns and a distance while the third turn has been predicted for a short time only.
   [[nodiscard]] bool follows_one_wall(const Frame& frame, const Observability& observed) const;
   /// Whether the prediction is sharper than the gates within which planes are matched: no other plane can stand in.

@@ -1,8 +1,25 @@
+#include <algorithm>
+
 #include "common/tracking/tracker_frame.hpp"
 #include "common/tracking/visibility.hpp"
 
 /// What speaks for a pose and what against it.
 namespace eg::tracking {
+
+bool Tracker::is_proven(const Frame& frame) const {
+  const auto named =
+      std::count_if(frame.matches.points.begin(), frame.matches.points.end(), [&](const PointMatch& match) {
+        return frame.features.points[static_cast<std::size_t>(match.feature)].track_id >= 0;
+      });
+  return frame.solution.inlier_points() >= options_.min_points_without_planes || named >= options_.min_named_points ||
+         frame.solution.inlier_planes() > 0 || frame.solution.inlier_lines() >= 4;
+}
+
+bool Tracker::goes_on_as_before(const Frame& frame) const {
+  const Matrix6d covariance = camera_covariance(frame.solution.information, frame.prediction);
+  return !lost_ && is_proven(frame) &&
+         MotionPrior{frame.camera_from_world, covariance}.rotation_sigma() < options_.max_rotation_sigma;
+}
 
 bool Tracker::follows_one_wall(const Frame& frame, const Observability& observed) const {
   return !lost_ && frame.solution.inlier_planes() > 0 && observed.second_rotation_sigma < options_.max_rotation_sigma &&
@@ -10,8 +27,8 @@ bool Tracker::follows_one_wall(const Frame& frame, const Observability& observed
 }
 
 bool Tracker::planes_are_unmistakable(const Frame& frame) const {
-  return !lost_ && 3.0 * frame.prediction.rotation_sigma < options_.search.max_plane_angle &&
-         3.0 * frame.prediction.translation_sigma < options_.search.max_plane_distance;
+  return !lost_ && 3.0 * frame.prediction.rotation_sigma() < options_.search.max_plane_angle &&
+         3.0 * frame.prediction.translation_sigma() < options_.search.max_plane_distance;
 }
 
 bool Tracker::misses_expected_points(const Frame& frame) const {

@@ -21,7 +21,7 @@ std::optional<Tracker::Frame> Tracker::find_known_place(const FrameFeatures& fea
                                   : (next_candidate_ + static_cast<std::size_t>(candidate)) % keyframes.size();
     const auto pose = relocalise(features, map_, keyframes[index], options_.relocaliser);
     if (!pose) continue;
-    Frame frame{.features = features, .prediction = {*pose, 0.1, 0.1}};
+    Frame frame{.features = features, .prediction = known_within(*pose, 0.1, 0.1)};
     frame.camera_from_world = *pose;
     follow_graph_rotation(frame);
     frame.camera_from_world = *pose;
@@ -38,7 +38,7 @@ std::optional<Tracker::Frame> Tracker::find_known_place(const FrameFeatures& fea
 }
 
 TrackResult Tracker::go_on_at_known_place(Frame& frame) {
-  motion_.reset(frame.features.header.utime, frame.camera_from_world);
+  motion_.reset(frame.features.header.utime, frame.prediction);
   return finish(frame, TrackingState::relocalised, "found keyframe " + std::to_string(frame.known_place.value));
 }
 
