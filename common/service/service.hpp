@@ -43,6 +43,8 @@ class ServiceContext {
   ServiceContext(transport::Bus& bus, ServiceOptions options);
 
   [[nodiscard]] const ServiceOptions& options() const { return options_; }
+  /// The name under which it reports, answers requests and acknowledges from now on, if several share its work.
+  void rename(const std::string& name);
   StatusReporter& status() { return status_; }
 
   /// Encodes and sends. A failure is counted in the status and logged.

@@ -22,6 +22,7 @@ constexpr std::size_t kFormerSessions = 64;   // whose late messages are told fr
 
 MapperService::MapperService(service::ServiceContext& context, const MapperOptions& options)
     : context_(context), options_(options), session_(std::make_unique<MappedSession>(options)) {
+  context_.rename(with_share(context_.options().name, options_.tsdf));
   const int frame_queue = context_.options().lockstep ? kLockstepFrameQueue : kRealtimeFrameQueue;
   context_.subscribe<messages::CompressedFrame>(messages::channels::kRgbd, frame_queue,
                                                 [this](const messages::CompressedFrame& frame) { on_frame(frame); });
@@ -196,8 +197,7 @@ void MapperService::request(const char* channel, const std::vector<std::int64_t>
 
 void MapperService::acknowledge_finished() {
   session_->acknowledged = session_->next_sequence;
-  const messages::Acknowledge done{*session_->id, session_->next_sequence - 1,
-                                   with_share(context_.options().name, options_.tsdf)};
+  const messages::Acknowledge done{*session_->id, session_->next_sequence - 1, context_.options().name};
   note(messages::channels::kAcknowledge, done);
   context_.publish(messages::channels::kAcknowledge, done);
 }

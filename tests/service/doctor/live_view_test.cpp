@@ -127,6 +127,14 @@ TEST_F(LiveViewTest, NamesSilentAndRivalServices) {
   EXPECT_THAT(findings, finding(Severity::warning, "2 processes call themselves tracker"));
 }
 
+TEST_F(LiveViewTest, MappersThatShareTheSpaceAreNoRivals) {
+  send_status("mapper.0", kSecond, 0, 1);
+  send_status("mapper.1", kSecond, 0, 2);
+  EXPECT_THAT(view_.judge(kSecond), IsEmpty());
+  send_status("mapper.1", kSecond, 0, 3);
+  EXPECT_THAT(view_.judge(kSecond), finding(Severity::warning, "2 processes call themselves mapper.1"));
+}
+
 TEST_F(LiveViewTest, NamesMessagesOfOtherVersions) {
   system_.send_bytes(channels::kPose, messages::Bytes(100, 7));
   messages::Bytes cut = messages::encode(tracking::PoseEstimate{});
