@@ -119,7 +119,7 @@ void MapperService::on_frame(const messages::CompressedFrame& frame) {
     if (sequence < session_->next_sequence) return acknowledge_finished();
     if (sequence >= session_->next_sequence + kMaxAhead) return;  // the source sends it again
   }
-  session_->frames[sequence].images = frame;
+  session_->parts_of(sequence).images = frame;
   context_.options().lockstep ? work_off_in_order() : finish_if_complete(sequence);
 }
 
@@ -129,7 +129,7 @@ void MapperService::on_features(const features::FrameFeatures& features) {
   if (context_.options().lockstep &&
       (sequence < session_->next_sequence || sequence >= session_->next_sequence + kMaxAhead))
     return;
-  session_->frames[sequence].features = planes_only(features);
+  session_->parts_of(sequence).features = planes_only(features);
   context_.options().lockstep ? work_off_in_order() : finish_if_complete(sequence);
 }
 
