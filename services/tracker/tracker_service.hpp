@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/service/message_journal.hpp"
 #include "common/service/service.hpp"
@@ -74,15 +75,16 @@ class TrackerService : public service::Service {
   };
   /// Takes a frame's result into the session.
   Answer conclude(tracking::TrackResult result);
-  /// An update of the graph or a whole one: moves the map after it, and releases the answer that waited for it.
-  template <typename News>
-  base::Result<Answer> apply(const News& of_graph);
+  /// The graph is newer, and the map has followed it: `moved` keyframes are announced, and the answer that waited for
+  /// it is released.
+  Answer follow_graph(std::vector<tracking::PoseCorrection::Entry> moved);
   tracking::PoseEstimate remember(tracking::PoseEstimate estimate);
-  template <typename News>
-  base::Status replay_news(messages::ByteView bytes);
   base::Status replay(const transport::LogEvent& event);
   template <typename T>
-  void note(const char* channel, const T& value);
+  void note(const char* channel, const T& value) {
+    if (journal_) check_journal(journal_->add(channel, value));
+  }
+  void check_journal(const base::Status& written);
   /// Goes on without, and leaves none that would end before the state that others have heard of.
   void stop_journal(const std::string& why);
   void say(const Answer& news);
@@ -91,6 +93,8 @@ class TrackerService : public service::Service {
   void announce(const std::vector<tracking::PoseCorrection>& corrections);
   void repeat_newest();
   [[nodiscard]] bool waits_for_graph() const;
+
+  static constexpr char kJournal[] = "tracker.journal";
 
   service::ServiceContext& context_;
   tracking::TrackerOptions options_;
