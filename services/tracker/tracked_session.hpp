@@ -28,6 +28,7 @@ struct TrackedSession {
   egraph::SnapshotAssembler snapshot;
   TrackRecord record;
   std::int64_t next_sequence = 0;
+  std::optional<std::int64_t> leap;  ///< real time: a number too far ahead to be believed by itself
   std::map<std::int64_t, WaitingFrame> waiting;                     ///< by sequence
   std::map<std::int64_t, tracking::PoseEstimate> answered;          ///< recent ones, for frames that come again
   std::deque<egraph::Keyframe> unconfirmed;                         ///< announced, no update yet

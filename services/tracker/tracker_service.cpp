@@ -1,6 +1,8 @@
 #include "services/tracker/tracker_service.hpp"
 
 #include <chrono>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "common/messages/channels.hpp"
@@ -12,6 +14,8 @@ namespace {
 constexpr std::size_t kAnswersKept = 32;
 /// Frames that may wait in lockstep. The source's window is smaller; more is somebody else's traffic.
 constexpr int kMaxWaiting = 64;
+/// Frames that may be missing at once in real time: more than a minute of any camera.
+constexpr std::int64_t kMaxLeap = 10'000;
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -62,9 +66,24 @@ void TrackerService::on_features(const features::FrameFeatures& frame, const std
       session_.held_answer ? session_.held_answer->header.sequence : session_.next_sequence;
   if (frame.header.sequence < first_unanswered) return acknowledge(first_unanswered - 1);  // of a source started anew
   if (frame.header.sequence < session_.next_sequence) return;
-  if (session_.waiting.size() >= std::size_t{kMaxWaiting}) return;
+  if (is_absurd(frame.header.sequence)) {
+    context_.status().count_rejected("FEATURES: field 'sequence' leaps from " +
+                                     std::to_string(session_.next_sequence - 1) + " to " +
+                                     std::to_string(frame.header.sequence));
+    return;
+  }
   session_.waiting.emplace(frame.header.sequence, WaitingFrame{frame, refusal});
   track_waiting_frames();
+}
+
+bool TrackerService::is_absurd(std::int64_t sequence) {
+  if (context_.options().lockstep) return sequence >= session_.next_sequence + kMaxWaiting;
+  if (session_.record.empty() || sequence - session_.next_sequence <= kMaxLeap) {
+    session_.leap.reset();
+    return false;
+  }
+  const std::optional<std::int64_t> before = std::exchange(session_.leap, sequence);
+  return !before || sequence <= *before || sequence - *before > kMaxLeap;
 }
 
 void TrackerService::on_graph_update(const egraph::GraphUpdate& update) {

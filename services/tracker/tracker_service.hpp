@@ -56,6 +56,9 @@ class TrackerService : public service::Service {
   /// `refusal`: why it is refused, then it has a header only; empty: it is not.
   void on_features(const features::FrameFeatures& frame, const std::string& refusal);
   void on_refused_features(messages::ByteView bytes, const std::string& why);
+  /// Whether a frame's number is one that no source would give: it must not shut out all that come after it. In real
+  /// time a second frame behind it makes it believed.
+  bool is_absurd(std::int64_t sequence);
   /// Makes it the session being tracked, unless another one goes on. Whether it is.
   bool enter_session(std::int64_t id);
   void leave_session();

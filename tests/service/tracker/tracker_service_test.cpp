@@ -310,6 +310,39 @@ TEST(TrackerService, AnotherSessionBeginsWhenNothingIsHeardOfTheOneBefore) {
   EXPECT_EQ(rig.poses->back().header.session, 7);
 }
 
+TEST(TrackerService, InRealTimeOneAbsurdNumberShutsOutNoFrames) {
+  constexpr std::int64_t kFar = 1'000'000'000'000;
+  Rig rig(false);
+  rig.send_frame(0);
+  FrameFeatures absurd = frame(1);
+  absurd.header.sequence = kFar;
+  rig.send(channels::kFeatures, absurd);
+  EXPECT_NE(rig.status().last_rejection.find("'sequence' leaps from 0 to 1000000000000"), std::string::npos);
+  rig.send_frame(1);
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1}));
+  EXPECT_EQ(rig.status().dropped, 0);
+  // Two that agree are the source's.
+  for (std::size_t i = 2; i < 4; ++i) {
+    FrameFeatures later = frame(i);
+    later.header.sequence = kFar + static_cast<std::int64_t>(i);
+    rig.send(channels::kFeatures, later);
+  }
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1, kFar + 3}));
+}
+
+TEST(TrackerService, InLockstepAbsurdNumbersTakeNoPlace) {
+  Rig rig(true);
+  FrameFeatures absurd = frame(1);
+  for (int i = 0; i < 100; ++i) {
+    absurd.header.sequence = 1'000'000 + i;
+    rig.send(channels::kFeatures, absurd);
+  }
+  rig.send_frame(0);
+  rig.answer_keyframes();
+  rig.send_frame(1);
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1}));
+}
+
 TEST(TrackerService, SurvivesNonsense) {
   Rig rig(true);
   for (const char* channel :
