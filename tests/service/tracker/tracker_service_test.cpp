@@ -343,6 +343,23 @@ TEST(TrackerService, InLockstepAbsurdNumbersTakeNoPlace) {
   EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1}));
 }
 
+TEST(TrackerService, FeaturesThatAreNoNumbersAreRefusedByName) {
+  Rig rig(false);
+  rig.send_frame(0);
+  FrameFeatures wrong = frame(1);
+  wrong.points.front().depth = std::nan("");
+  rig.send(channels::kFeatures, wrong);
+  wrong = frame(2);
+  wrong.directions.front().direction.x() = std::nan("");
+  rig.send(channels::kFeatures, wrong);
+  EXPECT_EQ(rig.status().rejected, 2);
+  EXPECT_NE(rig.status().last_rejection.find("FEATURES: field 'directions[0]"), std::string::npos)
+      << rig.status().last_rejection;
+  rig.send_frame(3);
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 3}));
+  EXPECT_EQ(rig.poses->back().state, tracking::TrackingState::tracking);
+}
+
 TEST(TrackerService, SurvivesNonsense) {
   Rig rig(true);
   for (const char* channel :

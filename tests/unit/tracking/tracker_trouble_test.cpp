@@ -258,6 +258,30 @@ TEST_P(TrackerInTrouble, ALongGapBetweenFramesIsBridged) {
   EXPECT_LT(test::errors(slam.estimates(), sequence).worst_translation, 0.05);
 }
 
+/// Ten seconds without a frame, in which the camera comes back to where it was, or to where it was long ago.
+TEST_P(TrackerInTrouble, AfterTenSecondsWithoutAFrameNoPoseIsWrong) {
+  constexpr std::int64_t kGap = 10'000'000;  // microseconds
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 7);
+  for (const std::size_t first : {std::size_t{110}, std::size_t{0}}) {
+    SlamLoop slam;
+    for (std::size_t i = 0; i < 120; ++i) slam.step(sequence.frames[i]);
+    int found = 0;
+    for (std::size_t i = 0; i < 40; ++i) {
+      FrameFeatures frame = sequence.frames[first + i];
+      frame.header = sequence.frames[120 + i].header;
+      frame.header.utime += kGap;
+      const PoseEstimate estimate = slam.step(frame);
+      EXPECT_TRUE(test::is_sound(estimate));
+      if (!estimate.has_pose) continue;
+      ++found;
+      const Pose& truth = sequence.world_from_camera[first + i];
+      EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 1.0 * kDegree);
+      EXPECT_LT((estimate.world_from_camera.translation - truth.translation).norm(), 0.05);
+    }
+    EXPECT_GT(found, 25) << "from frame " << first;
+  }
+}
+
 /// Shortly after a loss the camera looks the other way in a box-shaped room: three planes fit a pose that is 180
 /// degrees off.
 TEST_P(TrackerInTrouble, PlanesAloneAreNoProofWhereManyPointsContradict) {
