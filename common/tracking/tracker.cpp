@@ -5,6 +5,7 @@
 
 #include "common/base/check.hpp"
 #include "common/tracking/one_to_one.hpp"
+#include "common/tracking/pose_covariance.hpp"
 #include "common/tracking/tracker_frame.hpp"
 #include "common/tracking/visibility.hpp"
 
@@ -146,7 +147,7 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
   estimate.matched_directions = static_cast<std::int32_t>(frame.associations.size());
   if (!map_.empty()) {
     estimate.covariance = world_covariance(frame.solution.information, frame.prediction, estimate.world_from_camera);
-    estimate.covariance.topLeftCorner<3, 3>() += kMinRotationVariance * Eigen::Matrix3d::Identity();
+    estimate.covariance = with_turns_of_camera(estimate.covariance, estimate.world_from_camera, kMinRotationVariance);
   }
   lost_ = false;
   state_ = state;
