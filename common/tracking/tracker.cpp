@@ -33,9 +33,7 @@ void Tracker::continue_in(Map map, egraph::Graph graph) {
   map_ = std::move(map);
   graph_ = std::move(graph);
   for (const MapKeyframe& keyframe : map_.keyframes()) {
-    const egraph::KeyframeNode* const node = graph_.find_keyframe(keyframe.id);
-    EG_CHECK(node != nullptr, "the graph of a map knows its keyframes");
-    keyframe_covariances_.push_back(node->covariance);
+    EG_CHECK(graph_.find_keyframe(keyframe.id) != nullptr, "the graph of a map knows its keyframes");
   }
   lost_ = true;
   state_ = TrackingState::lost;
@@ -174,6 +172,13 @@ void Tracker::count_visibility(const Frame& frame) {
   std::erase_if(points, [&](PointId id) { return is_hidden(map_.point(id), point_names); });
   std::erase_if(lines, [&](LineId id) { return is_hidden(map_.line(id), line_names); });
   map_.count_visibility(points, lines, frame.matches);
+}
+
+Matrix6d Tracker::covariance_by_map(const Frame& frame) const {
+  const PoseSolution by_map = without_directions(frame.problem, frame.solution);
+  const Pose world_from_camera = by_map.camera_from_world.inverse();
+  return with_turns_of_camera(world_covariance(by_map.information, frame.prediction, world_from_camera),
+                              world_from_camera, kMinRotationVariance);
 }
 
 }  // namespace eg::tracking

@@ -125,6 +125,8 @@ class Tracker {
   [[nodiscard]] int features_of_last_keyframe(const Frame& frame) const;
   /// The frame's directions seen from where the map alone puts the camera; empty where the map does not know that.
   [[nodiscard]] std::optional<DirectionViews> direction_views(const Frame& frame) const;
+  /// Of the frame's pose as the map alone measured it, without the directions, which the graph counts by themselves.
+  [[nodiscard]] Matrix6d covariance_by_map(const Frame& frame) const;
   void add_keyframe(Frame& frame, TrackResult& result);
   /// Local bundle adjustment around the newest keyframe. Returns the other keyframes that moved.
   std::vector<PoseCorrection::Entry> adjust_local_map();
@@ -137,9 +139,8 @@ class Tracker {
   Map map_;
   MotionModel motion_;
   KeyframePolicy policy_;
-  DirectionTracks direction_tracks_;                    ///< since the last keyframe
-  std::vector<egraph::Matrix6d> keyframe_covariances_;  ///< as measured against the map when each was made
-  TrackingState state_ = TrackingState::initialising;   ///< after the last frame that was not refused
+  DirectionTracks direction_tracks_;                   ///< since the last keyframe
+  TrackingState state_ = TrackingState::initialising;  ///< after the last frame that was not refused
   std::int64_t last_utime_ = -1;
   std::int64_t leap_utime_ = -1;           ///< of a refused frame that came from far ahead
   std::int64_t past_begin_utime_ = -1;     ///< of the first of the frames refused in a row as earlier than the last one
