@@ -5,18 +5,10 @@
 #include <cmath>
 
 #include "common/geometry/so3.hpp"
+#include "common/tracking/pose_covariance.hpp"
 
 namespace eg::tracking {
 namespace {
-
-/// How a left perturbation of a pose becomes one of `step` times the pose.
-Matrix6d adjoint(const geometry::Pose& step) {
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint.topLeftCorner<3, 3>() = step.rotation;
-  adjoint.bottomRightCorner<3, 3>() = step.rotation;
-  adjoint.bottomLeftCorner<3, 3>() = geometry::hat(step.translation) * step.rotation;
-  return adjoint;
-}
 
 Matrix6d symmetric(const Matrix6d& matrix) { return 0.5 * (matrix + matrix.transpose()); }
 

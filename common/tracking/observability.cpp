@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "common/geometry/so3.hpp"
-
 namespace eg::tracking {
 namespace {
 
@@ -35,21 +33,6 @@ Observability observability(const Matrix6d& information) {
   const auto shifts = marginal(translation, cross.transpose(), rotation);
   return {sigma_of(turns.eigenvalues()[0]), sigma_of(turns.eigenvalues()[1]), turns.eigenvectors().col(0),
           sigma_of(shifts.eigenvalues()[0])};
-}
-
-Matrix6d camera_covariance(const Matrix6d& information, const MotionPrior& prior) {
-  return (information + prior.covariance.inverse()).inverse();
-}
-
-Matrix6d world_covariance(const Matrix6d& information, const MotionPrior& prior,
-                          const geometry::Pose& world_from_camera) {
-  const Matrix6d covariance = camera_covariance(information, prior);
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint.topLeftCorner<3, 3>() = world_from_camera.rotation;
-  adjoint.bottomRightCorner<3, 3>() = world_from_camera.rotation;
-  adjoint.bottomLeftCorner<3, 3>() = geometry::hat(world_from_camera.translation) * world_from_camera.rotation;
-  const Matrix6d in_world = adjoint * covariance * adjoint.transpose();
-  return 0.5 * (in_world + in_world.transpose());
 }
 
 }  // namespace eg::tracking

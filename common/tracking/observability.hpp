@@ -14,12 +14,4 @@ struct Observability {
 
 Observability observability(const Matrix6d& information);
 
-/// Covariance of (rotation, translation) of a left perturbation of camera_from_world, from measurements and prior.
-Matrix6d camera_covariance(const Matrix6d& information, const MotionPrior& prior);
-
-/// Covariance of (rotation, translation) of a left perturbation of world_from_camera, from the information about
-/// camera_from_world. `prior` bounds what the measurements leave open.
-Matrix6d world_covariance(const Matrix6d& information, const MotionPrior& prior,
-                          const geometry::Pose& world_from_camera);
-
 }  // namespace eg::tracking

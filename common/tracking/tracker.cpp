@@ -18,6 +18,9 @@ using geometry::Pose;
 /// Floor on the rotation uncertainty of a keyframe (0.05°): correlated errors do not average out over features.
 constexpr double kMinRotationVariance = 7.6e-7;
 
+/// Radians and metres: the first camera is the world. Not zero, because covariances are inverted.
+constexpr double kCertain = 1e-6;
+
 /// A landmark with a known identity is in view only where a feature bears its name.
 template <typename Landmark>
 bool is_hidden(const Landmark& landmark, const std::map<std::int32_t, std::int32_t>& names) {
@@ -117,7 +120,7 @@ TrackResult Tracker::initialise(const FrameFeatures& features) {
   if (features.planes.empty() && points < options_.min_points_without_planes) {
     return refuse(features.header, "waiting for a frame with a plane or enough points with depth");
   }
-  Frame frame{.features = features, .prediction = known_within(Pose{}, 0.0, 0.0)};
+  Frame frame{.features = features, .prediction = known_within(Pose{}, kCertain, kCertain)};
   motion_.reset(features.header.utime, frame.prediction);
   return finish(frame, TrackingState::tracking, "first keyframe");
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "common/tracking/pose_covariance.hpp"
 #include "common/tracking/tracker_frame.hpp"
 #include "common/tracking/visibility.hpp"
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/tracking/pose_covariance.hpp"
 #include "common/tracking/relative_poses.hpp"
 #include "common/tracking/tracker_frame.hpp"
 

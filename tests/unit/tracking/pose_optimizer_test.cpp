@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/tracking/observability.hpp"
+#include "common/tracking/pose_covariance.hpp"
 #include "tests/support/random_geometry.hpp"
 
 namespace eg::tracking {
