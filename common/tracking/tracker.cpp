@@ -69,7 +69,8 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
     if (lost_) return finish(frame, TrackingState::relocalised, "found near the last pose");
     return finish(frame, TrackingState::tracking, "");
   }
-  if (observed.rotation_sigma < options_.max_rotation_sigma) {
+  const bool rotation_is_proven = is_proven(frame) || directions_are_unmistakable(frame);
+  if (rotation_is_proven && observed.rotation_sigma < options_.max_rotation_sigma) {
     return finish(frame, TrackingState::rotation_only, "matches do not determine the translation");
   }
   if (follows_one_wall(frame, observed)) {

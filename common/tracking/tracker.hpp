@@ -38,6 +38,7 @@ struct TrackerOptions {
   int relocalisation_candidates = 4;         ///< keyframes tried per lost frame
   double max_translation_sigma = 0.05;       ///< metres: worse is `rotation_only`
   double max_rotation_sigma = 0.0175;        ///< radians (1°): worse is `lost`
+  double max_turn_of_directions = 0.785;     ///< radians (45°): beyond it the walls of a box are each other's
   double max_unseen_turn = 0.14;             ///< radians (8°): beyond it the next wall is not told from its neighbours
   std::int64_t max_leap_utime = 60'000'000;  ///< microseconds; a longer leap ahead takes two frames to be believed
   std::int64_t max_past_utime = 1'000'000;   ///< microseconds of frames in order before the last: a clock set back
@@ -109,6 +110,8 @@ class Tracker {
   [[nodiscard]] bool follows_one_wall(const Frame& frame, const Observability& observed) const;
   /// Whether the prediction is sharper than the gates within which planes are matched: no other plane can stand in.
   [[nodiscard]] bool planes_are_unmistakable(const Frame& frame) const;
+  /// Whether directions alone tell the rotation: a prediction less sharp does not tell those of a room apart.
+  [[nodiscard]] bool directions_are_unmistakable(const Frame& frame) const;
   /// Many points are expected and many are seen, but they are not the same.
   [[nodiscard]] bool misses_expected_points(const Frame& frame) const;
   /// That, or most planes in view are not those of the map.

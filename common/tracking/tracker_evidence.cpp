@@ -32,6 +32,10 @@ bool Tracker::planes_are_unmistakable(const Frame& frame) const {
          3.0 * frame.prediction.translation_sigma() < options_.search.max_plane_distance;
 }
 
+bool Tracker::directions_are_unmistakable(const Frame& frame) const {
+  return 3.0 * frame.prediction.rotation_sigma() < options_.max_turn_of_directions;
+}
+
 bool Tracker::misses_expected_points(const Frame& frame) const {
   const auto expected = visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world);
   return static_cast<int>(expected.size()) >= options_.min_expected_points &&

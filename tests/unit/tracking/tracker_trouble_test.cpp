@@ -109,6 +109,34 @@ TEST_P(TrackerInTrouble, AWhiteCornerIsFoundAgainToo) {
   EXPECT_LT(test::errors(slam.estimates(), sequence).worst_translation, 0.04);
 }
 
+/// Somewhere in two seconds the camera may have turned to other walls, whose directions are as good.
+TEST_P(TrackerInTrouble, DirectionsAloneDoNotEndALongLoss) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 6);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 100; ++i) {
+    FrameFeatures frame = sequence.frames[std::min<std::size_t>(i, 50)];
+    frame.header = sequence.frames[i].header;
+    if (i >= 50) {
+      frame.points.clear();
+      frame.lines.clear();
+      std::erase_if(frame.directions,
+                    [](const auto& direction) { return direction.kind != features::DirectionKind::plane_normal; });
+      for (features::PlaneFeature& plane : frame.planes) {  // a metre behind those that are known
+        plane.plane.distance += 1.0;
+        plane.centroid -= plane.plane.normal;
+      }
+    }
+    if (i >= 50 && i < 95) {
+      frame.planes.clear();
+      frame.directions.clear();
+    }
+    const PoseEstimate estimate = slam.step(frame);
+    if (i < 50) continue;
+    EXPECT_EQ(estimate.state, TrackingState::lost) << "frame " << i;
+    EXPECT_FALSE(estimate.has_pose || estimate.keyframe.valid()) << "frame " << i;
+  }
+}
+
 TEST_P(TrackerInTrouble, RelocalisesAtAPlaceSeenLongAgo) {
   const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 7);
   SlamLoop slam;
