@@ -10,15 +10,20 @@
 namespace eg::tracking {
 namespace {
 
+Matrix6d variances(double turning, double moving) {
+  Vector6d sigmas;
+  sigmas << Eigen::Vector3d::Constant(turning), Eigen::Vector3d::Constant(moving);
+  return sigmas.cwiseAbs2().asDiagonal();
+}
+
 Matrix6d symmetric(const Matrix6d& matrix) { return 0.5 * (matrix + matrix.transpose()); }
 
 }  // namespace
 
+Matrix6d MotionModel::unknown_velocity() const { return variances(options_.angular_speed, options_.speed); }
+
 Matrix6d MotionModel::velocity_change(double elapsed) const {
-  Velocity sigma;
-  sigma << Eigen::Vector3d::Constant(options_.angular_velocity_change),
-      Eigen::Vector3d::Constant(options_.velocity_change);
-  Matrix6d change = sigma.cwiseAbs2().asDiagonal();
+  Matrix6d change = variances(options_.angular_velocity_change, options_.velocity_change);
   if (still_axis_) {
     const Eigen::Matrix3d along = *still_axis_ * still_axis_->transpose();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along;
@@ -33,7 +38,7 @@ MotionModel::State MotionModel::at(std::int64_t utime) const {
   State from = state_;
   if (elapsed > options_.memory_s) {
     from.velocity.setZero();
-    from.velocity_covariance.setZero();
+    from.velocity_covariance = unknown_velocity();
     from.cross.setZero();
   }
   const geometry::Pose step{geometry::so3_exp(elapsed * from.velocity.head<3>()), elapsed * from.velocity.tail<3>()};
@@ -89,6 +94,7 @@ void MotionModel::reset(std::int64_t utime, const MotionPrior& place) {
   utime_ = utime;
   state_.camera_from_world = place.camera_from_world;
   state_.covariance = place.covariance;
+  state_.velocity_covariance = unknown_velocity();
 }
 
 }  // namespace eg::tracking

@@ -11,6 +11,8 @@ namespace eg::tracking {
 struct MotionOptions {
   double velocity_change = 0.4;          ///< m/s that a hand or robot may change its speed by within one frame
   double angular_velocity_change = 0.2;  ///< rad/s per axis, likewise (6 rad/s² at 30 Hz)
+  double speed = 0.4;                    ///< m/s of a camera of which nothing is known, on each axis
+  double angular_speed = 0.4;            ///< rad/s, likewise
   double memory_s = 0.5;                 ///< after so long little is left of a velocity, and more tells nothing
   /// rad/sqrt(s), random walk about the one axis that a single wall leaves open: its normal. Whoever carries a camera
   /// along a wall pans; turning the picture about the viewing direction is rare.
@@ -57,6 +59,7 @@ class MotionModel {
     Matrix6d velocity_covariance = Matrix6d::Zero();
   };
   [[nodiscard]] State at(std::int64_t utime) const;
+  [[nodiscard]] Matrix6d unknown_velocity() const;
   [[nodiscard]] Matrix6d velocity_change(double elapsed) const;
 
   MotionOptions options_;

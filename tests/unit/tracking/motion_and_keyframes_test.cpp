@@ -75,7 +75,8 @@ TEST(MotionModel, PredictsAsWellAsItSays) {
   int frames = 0;
   for (int run = 0; run < 40; ++run) {
     Pose truth;
-    Vector6d velocity = Vector6d::Zero();
+    Vector6d velocity;
+    velocity << test::normal_vector(random, options.angular_speed), test::normal_vector(random, options.speed);
     MotionModel motion(options);
     motion.reset(0, exactly(truth));
     for (int frame = 1; frame <= 50; ++frame) {
