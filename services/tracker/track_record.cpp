@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "common/io/atomic_file.hpp"
 #include "common/io/number_format.hpp"
@@ -71,12 +72,21 @@ io::PlyData sparse_map(const tracking::Map& map) {
   return ply;
 }
 
+/// After a clock was set back times come again: of two poses with the same time the newer is kept.
+std::vector<geometry::StampedPose> in_order_of_time(std::vector<geometry::StampedPose> poses) {
+  std::reverse(poses.begin(), poses.end());
+  std::stable_sort(poses.begin(), poses.end(), [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
+  const auto same = [](const auto& a, const auto& b) { return a.time_s == b.time_s; };
+  poses.erase(std::unique(poses.begin(), poses.end(), same), poses.end());
+  return poses;
+}
+
 std::vector<geometry::StampedPose> keyframe_poses(std::span<const tracking::MapKeyframe> keyframes) {
   std::vector<geometry::StampedPose> poses;
   for (const tracking::MapKeyframe& keyframe : keyframes) {
     poses.push_back({seconds(keyframe.features.header.utime), keyframe.world_from_camera});
   }
-  return poses;
+  return in_order_of_time(std::move(poses));
 }
 
 }  // namespace
@@ -133,7 +143,7 @@ base::Status TrackRecord::save_trajectory(const std::filesystem::path& path, con
     const geometry::Pose& reference = map.keyframe(row.reference).world_from_camera;
     trajectory.push_back({seconds(row.utime), reference * row.reference_from_camera});
   }
-  return io::write_trajectory(path, trajectory);
+  return io::write_trajectory(path, in_order_of_time(std::move(trajectory)));
 }
 
 base::Status TrackRecord::save_states(const std::filesystem::path& path) const {

@@ -91,6 +91,22 @@ TEST(TrackRecord, GivesEveryFrameItsOwnReasonAndNumbers) {
   EXPECT_EQ(lines_of(folder.path() / "trajectory.txt").size(), 1U) << "a heading; no frame has a pose";
 }
 
+TEST(TrackerResults, AreInOrderOfTimeAlthoughAClockWasSetBack) {
+  Rig rig(true);
+  for (std::size_t i = 0; i < 40; ++i) {
+    FrameFeatures sent = frame(i);
+    if (i < 4) sent.header.utime += 2'000'000;
+    rig.send(channels::kFeatures, sent);
+    rig.answer_keyframes();
+  }
+  EXPECT_TRUE(rig.poses->back().has_pose) << "a second after the clock was set back";
+  ASSERT_TRUE(rig.save());
+  for (const char* name : {"trajectory.txt", "keyframes.txt"}) {
+    const auto read = io::read_trajectory(rig.folder() / name);
+    EXPECT_TRUE(read) << read.error().message;
+  }
+}
+
 TEST(TrackerResults, SavesEmptyFilesWhenNothingCame) {
   Rig rig(true);
   ASSERT_TRUE(rig.save().has_value());
