@@ -18,9 +18,6 @@ using geometry::Pose;
 /// Floor on the rotation uncertainty of a keyframe (0.05°): correlated errors do not average out over features.
 constexpr double kMinRotationVariance = 7.6e-7;
 
-/// Radians and metres: the first camera is the world. Not zero, because covariances are inverted.
-constexpr double kCertain = 1e-6;
-
 /// A landmark with a known identity is in view only where a feature bears its name.
 template <typename Landmark>
 bool is_hidden(const Landmark& landmark, const std::map<std::int32_t, std::int32_t>& names) {
@@ -54,7 +51,10 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
   }
   if (map_.empty()) return initialise(features);
   const std::int64_t blind = features.header.utime - last_measured_utime_;
-  if (lost_ && blind > options_.max_blind_utime) return recover(features, "searching for a known place");
+  if (lost_ && blind > options_.max_blind_utime) {
+    return map_tells_no_pose() && tells_pose(features) ? begin_anew(features)
+                                                       : recover(features, "searching for a known place");
+  }
 
   Frame frame = estimate(features);
   if (points_contradict(frame)) return recover(features, "planes fit here, but none of the expected points");
@@ -73,6 +73,7 @@ TrackResult Tracker::track_parts(const FrameFeatures& features) {
   if (rotation_is_proven && observed.rotation_sigma < options_.max_rotation_sigma) {
     return finish(frame, TrackingState::rotation_only, "matches do not determine the translation");
   }
+  if (map_tells_no_pose() && tells_pose(features)) return begin_anew(frame);
   if (follows_one_wall(frame, observed)) {
     frame.unseen_turn = observed.worst_turn;
     return finish(frame, TrackingState::rotation_only, "a single direction in view: the turn about it is predicted");
@@ -159,7 +160,8 @@ TrackResult Tracker::finish(Frame& frame, TrackingState state, std::string reaso
   last_found_ = found(frame);
 
   count_visibility(frame);
-  if (map_.empty() || policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame))) {
+  if (map_.empty() || frame.begins_anew ||
+      policy_.wants_keyframe(features_of_last_keyframe(frame), sees_new_structure(frame))) {
     add_keyframe(frame, result);
   } else if (const auto views = direction_views(frame)) {
     direction_tracks_.add(*views);

@@ -44,6 +44,7 @@ struct TrackerOptions {
   std::int64_t max_past_utime = 1'000'000;   ///< microseconds of frames in order before the last: a clock set back
   std::int64_t max_blind_utime = 2'000'000;  ///< microseconds for which the last pose still says where to look
   int min_points_without_planes = 7;         ///< fewer agreeing points are no proof of a pose
+  int min_lines_without_planes = 4;          ///< the same of lines
   int min_named_points = 4;                  ///< of known identity: three determine a pose and one confirms it
   int min_expected_points = 20;  ///< so many, and hardly one found: planes that fit are another room corner's
 };
@@ -84,6 +85,10 @@ class Tracker {
   TrackResult track_parts(const features::FrameFeatures& features);
   TrackResult initialise(const features::FrameFeatures& features);
   TrackResult recover(const features::FrameFeatures& features, const std::string& why);
+  /// A keyframe at the predicted pose, where nothing but a wall was seen before: nothing known could ever correct it.
+  TrackResult begin_anew(Frame& frame);
+  /// The same when the prediction is worth nothing.
+  TrackResult begin_anew(const features::FrameFeatures& features);
   /// Where the descriptors of a keyframe's points put the camera. Tries a few keyframes, other ones each time.
   std::optional<Frame> find_known_place(const features::FrameFeatures& features);
   TrackResult go_on_at_known_place(Frame& frame);
@@ -110,6 +115,11 @@ class Tracker {
   [[nodiscard]] bool follows_one_wall(const Frame& frame, const Observability& observed) const;
   /// Whether the prediction is sharper than the gates within which planes are matched: no other plane can stand in.
   [[nodiscard]] bool planes_are_unmistakable(const Frame& frame) const;
+  /// Whether features like these leave nothing of a rotation open: enough points or lines, or walls that are not
+  /// parallel.
+  [[nodiscard]] bool tells_pose(const features::FrameFeatures& features) const;
+  /// The opposite of all that the map holds.
+  [[nodiscard]] bool map_tells_no_pose() const;
   /// Whether directions alone tell the rotation: a prediction less sharp does not tell those of a room apart.
   [[nodiscard]] bool directions_are_unmistakable(const Frame& frame) const;
   /// Many points are expected and many are seen, but they are not the same.

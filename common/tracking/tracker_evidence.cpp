@@ -1,11 +1,24 @@
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
 
+#include "common/egraph/rotation_solver.hpp"
 #include "common/tracking/pose_covariance.hpp"
 #include "common/tracking/tracker_frame.hpp"
 #include "common/tracking/visibility.hpp"
 
 /// What speaks for a pose and what against it.
 namespace eg::tracking {
+namespace {
+
+bool all_parallel(const std::vector<Eigen::Vector3d>& normals) {
+  return std::all_of(normals.begin(), normals.end(), [&](const Eigen::Vector3d& normal) {
+    return std::abs(normal.dot(normals.front())) > std::cos(egraph::kMinAngleBetweenDirections);
+  });
+}
+
+}  // namespace
 
 bool Tracker::is_proven(const Frame& frame) const {
   const auto named =
@@ -13,7 +26,7 @@ bool Tracker::is_proven(const Frame& frame) const {
         return frame.features.points[static_cast<std::size_t>(match.feature)].track_id >= 0;
       });
   return frame.solution.inlier_points() >= options_.min_points_without_planes || named >= options_.min_named_points ||
-         frame.solution.inlier_planes() > 0 || frame.solution.inlier_lines() >= 4;
+         frame.solution.inlier_planes() > 0 || frame.solution.inlier_lines() >= options_.min_lines_without_planes;
 }
 
 bool Tracker::goes_on_as_before(const Frame& frame) const {
@@ -30,6 +43,26 @@ bool Tracker::follows_one_wall(const Frame& frame, const Observability& observed
 bool Tracker::planes_are_unmistakable(const Frame& frame) const {
   return !lost_ && 3.0 * frame.prediction.rotation_sigma() < options_.search.max_plane_angle &&
          3.0 * frame.prediction.translation_sigma() < options_.search.max_plane_distance;
+}
+
+bool Tracker::tells_pose(const features::FrameFeatures& features) const {
+  const auto points = std::count_if(features.points.begin(), features.points.end(),
+                                    [](const auto& point) { return point.has_depth(); });
+  const auto lines =
+      std::count_if(features.lines.begin(), features.lines.end(), [](const auto& line) { return line.has_depth; });
+  std::vector<Eigen::Vector3d> normals;
+  for (const features::PlaneFeature& plane : features.planes) normals.push_back(plane.plane.normal);
+  return points >= options_.min_points_without_planes || lines >= options_.min_lines_without_planes ||
+         !all_parallel(normals);
+}
+
+bool Tracker::map_tells_no_pose() const {
+  const auto has_fewer = [](const auto& landmarks, int count) { return std::ssize(landmarks) < count; };
+  if (!has_fewer(map_.points(), options_.min_points_without_planes)) return false;
+  if (!has_fewer(map_.lines(), options_.min_lines_without_planes)) return false;
+  std::vector<Eigen::Vector3d> normals;
+  for (const MapPlane& plane : map_.planes()) normals.push_back(plane.estimate.plane.normal);
+  return all_parallel(normals);
 }
 
 bool Tracker::directions_are_unmistakable(const Frame& frame) const {

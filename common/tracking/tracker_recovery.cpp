@@ -10,6 +10,9 @@ namespace {
 using features::FrameFeatures;
 using geometry::Pose;
 
+/// Radians and metres: what is known of a pose of which nothing is known.
+constexpr double kUnknown = 1.0;
+
 }  // namespace
 
 std::optional<Tracker::Frame> Tracker::find_known_place(const FrameFeatures& features) {
@@ -47,6 +50,20 @@ TrackResult Tracker::recover(const FrameFeatures& features, const std::string& w
   lost_ = true;
   state_ = TrackingState::lost;
   return refuse(features.header, why);
+}
+
+TrackResult Tracker::begin_anew(Frame& frame) {
+  frame.begins_anew = true;
+  return finish(frame, TrackingState::rotation_only,
+                "one wall was all that was known: the map begins at the predicted pose");
+}
+
+TrackResult Tracker::begin_anew(const FrameFeatures& features) {
+  const Pose last = motion_.predict(last_measured_utime_).camera_from_world;
+  Frame frame{.features = features, .prediction = known_within(last, kUnknown, kUnknown)};
+  frame.camera_from_world = last;
+  motion_.reset(features.header.utime, known_within(last, kCertain, kCertain));
+  return begin_anew(frame);
 }
 
 }  // namespace eg::tracking

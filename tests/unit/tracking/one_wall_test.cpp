@@ -65,6 +65,28 @@ TEST_P(OneWall, SaysLostWhenTheTurnHasNotBeenSeenForLong) {
   EXPECT_LT(followed, 1000) << "half a minute is";
 }
 
+/// Nothing else is known that could set right what was predicted: the first frame with more begins the map.
+TEST_P(OneWall, IsNoEndOfTheMapWhereItBegins) {
+  const FeatureSequence sequence =
+      test::record(test::make_room(oblique_room()), camera_, before_a_corner(camera_, 60), 23);
+  for (const std::size_t walls : {std::size_t{1}, std::size_t{10}}) {
+    SlamLoop slam;
+    for (std::size_t i = 0; i < 60; ++i) {
+      const Pose& truth = sequence.world_from_camera[i];
+      const PoseEstimate estimate =
+          slam.step(i < walls ? seen_as_one_wall(sequence.frames[i], truth) : sequence.frames[i]);
+      EXPECT_TRUE(estimate.has_pose) << "frame " << i << ": " << estimate.reason;
+      if (i == walls) {
+        EXPECT_EQ(estimate.state, TrackingState::rotation_only);
+        EXPECT_TRUE(estimate.keyframe.valid()) << estimate.reason;
+      }
+      if (i <= walls) continue;
+      EXPECT_EQ(estimate.state, TrackingState::tracking) << "frame " << i << ": " << estimate.reason;
+      EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 2.0 * kDegree);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Cameras, OneWall, two_cameras(), camera_name);
 
 /// The turn about the wall's normal is not measured, and the landmark's normal is not quite that of the wall in the
