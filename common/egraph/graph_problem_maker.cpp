@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstddef>
 #include <map>
 
 #include "common/egraph/graph_problem.hpp"

@@ -2,6 +2,10 @@
 #include "common/tracking/relative_poses.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
 
 #include "common/egraph/graph_optimizer.hpp"
 #include "common/tracking/pose_covariance.hpp"
