@@ -115,10 +115,9 @@ class Tracker {
   [[nodiscard]] bool follows_one_wall(const Frame& frame, const Observability& observed) const;
   /// Whether the prediction is sharper than the gates within which planes are matched: no other plane can stand in.
   [[nodiscard]] bool planes_are_unmistakable(const Frame& frame) const;
-  /// Whether features like these leave nothing of a rotation open: enough points or lines, or walls that are not
-  /// parallel.
+  /// Whether a map of these features could tell a rotation: enough points or lines, or walls that are not parallel.
   [[nodiscard]] bool tells_pose(const features::FrameFeatures& features) const;
-  /// The opposite of all that the map holds.
+  /// Whether all that the map holds is a few points and lines, and planes that are parallel.
   [[nodiscard]] bool map_tells_no_pose() const;
   /// Whether directions alone tell the rotation: a prediction less sharp does not tell those of a room apart.
   [[nodiscard]] bool directions_are_unmistakable(const Frame& frame) const;
