@@ -356,7 +356,8 @@ TEST(TrackerService, FeaturesThatAreNoNumbersAreRefusedByName) {
   EXPECT_NE(rig.status().last_rejection.find("FEATURES: field 'directions[0]"), std::string::npos)
       << rig.status().last_rejection;
   rig.send_frame(3);
-  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 3}));
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1, 2, 3}));
+  EXPECT_FALSE((*rig.poses)[1].has_pose || (*rig.poses)[2].has_pose);
   EXPECT_EQ(rig.poses->back().state, tracking::TrackingState::tracking);
 }
 
