@@ -25,11 +25,6 @@ struct ByKeyframe {
   bool operator()(KeyframeId a, const Observation& b) const { return a < b.keyframe; }
 };
 
-/// Nearly all keyframes are measured against older ones, so that the order by the younger is that of arrival.
-std::pair<KeyframeId, KeyframeId> key_of(const RelativePose& relative) {
-  return {std::max(relative.first, relative.second), std::min(relative.first, relative.second)};
-}
-
 base::Status unknown_landmark(LandmarkId id) {
   return base::fail("graph holds an observation of landmark " + std::to_string(id.value) + ", which does not exist");
 }
@@ -84,6 +79,7 @@ base::Status Graph::apply(const GraphUpdate& update) {
   }
   for (const RelativePose& relative : update.relative_poses) put_relative_pose(relative);
   refine(update.moved, {});
+  for (const CorrectedPose& moved : update.moved) measure_again(moved.keyframe);
   refine(update.corrections, {});
   return {};
 }
@@ -151,12 +147,6 @@ std::span<const Observation> Graph::observations(KeyframeId id) const {
   return {first, last};
 }
 
-std::span<const RelativePose> Graph::relative_poses_from(KeyframeId oldest) const {
-  const auto first = std::lower_bound(relative_poses_.begin(), relative_poses_.end(), oldest,
-                                      [](const RelativePose& a, KeyframeId id) { return key_of(a).first < id; });
-  return {first, relative_poses_.end()};
-}
-
 void Graph::remove_landmark(LandmarkId id) {
   const auto it = lower_bound_by_id(landmarks_, id);
   if (it == landmarks_.end() || it->id != id) return;
@@ -192,16 +182,6 @@ void Graph::put_observation(const Observation& observation) {
   observations_.push_back(observation);
   std::vector<KeyframeId>& keyframes = observers_[observation.landmark];
   if (keyframes.empty() || keyframes.back() != observation.keyframe) keyframes.push_back(observation.keyframe);
-}
-
-void Graph::put_relative_pose(const RelativePose& relative) {
-  const auto it = std::lower_bound(relative_poses_.begin(), relative_poses_.end(), key_of(relative),
-                                   [](const RelativePose& a, const auto& key) { return key_of(a) < key; });
-  if (it != relative_poses_.end() && key_of(*it) == key_of(relative)) {
-    *it = relative;
-  } else {
-    relative_poses_.insert(it, relative);
-  }
 }
 
 void Graph::refine(std::span<const CorrectedPose> keyframes, std::span<const DirectionLandmark> landmarks) {

@@ -80,6 +80,9 @@ class Graph {
   void put_landmark(const DirectionLandmark& landmark);
   void put_observation(const Observation& observation);
   void put_relative_pose(const RelativePose& relative);
+  /// The tracker has moved a keyframe by what it measured in the map around it: relative poses to and from it are now
+  /// what they are between the keyframes.
+  void measure_again(KeyframeId moved);
   [[nodiscard]] bool parallel(LandmarkId a, LandmarkId b) const;
   [[nodiscard]] bool spans_a_plane(std::span<const LandmarkId> landmarks) const;
 
@@ -90,6 +93,7 @@ class Graph {
   std::vector<Observation> observations_;     ///< ordered by keyframe
   std::vector<RelativePose> relative_poses_;  ///< ordered by the younger, then the older keyframe
   std::vector<GraphSnapshot::CovisibilityEdge> covisibility_;
+  std::map<KeyframeId, std::vector<KeyframeId>> measured_against_;  ///< by the older: younger ones of relative_poses_
   std::map<LandmarkId, std::vector<KeyframeId>> observers_;
   std::set<LandmarkId> potential_directions_;
   DirectionIndex index_;

@@ -18,8 +18,8 @@ Eigen::Matrix2d with_floor(const Eigen::Matrix2d& covariance, double min_sigma) 
   return covariance + min_sigma * min_sigma * Eigen::Matrix2d::Identity();
 }
 
-/// What the graph calls a direction that was seen in one more keyframe: a potential direction that found a partner, be
-/// it vanishing or potential, is a vanishing direction from then on (paper, section 4.2).
+/// What the graph calls a direction that was seen once more, in this keyframe or another: a potential direction that
+/// found a partner, be it vanishing or potential, is a vanishing direction from then on (paper, section 4.2).
 DirectionKind fused_kind(DirectionKind landmark) {
   return landmark == DirectionKind::potential_direction ? DirectionKind::vanishing_direction : landmark;
 }

@@ -16,9 +16,9 @@ enum class Refinement {
 };
 
 struct GraphOptimizerOptions {
-  Refinement refine = Refinement::rotations;
+  Refinement refine = Refinement::poses;
   int max_iterations = 10;
-  int max_keyframes = 1000;  ///< the newest ones: bounds the work; older ones and what they saw first are held
+  int max_keyframes = 1000;             ///< the newest ones: bounds the work; older ones are held
   double min_direction_sigma = 0.0009;  ///< radians (0.05°): real walls and edges are not parallel to better than this
   double direction_chi2 = 5.99;         ///< 95 % of chi²(2): beyond, a direction loses weight (Cauchy's robust loss)
   double rotation_chi2 = 7.81;          ///< 95 % of chi²(3), likewise for relative rotations

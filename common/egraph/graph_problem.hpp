@@ -62,8 +62,8 @@ class GraphProblem {
 };
 
 /// The newest keyframes of a graph, what they saw, and the relative poses between them. The first keyframe of the graph
-/// is held; if the problem does not reach back to it, so are the keyframes that only relative poses refer to, and the
-/// landmarks that older keyframes know.
+/// is held; if the problem does not reach back to it, so are the older keyframes that relative poses refer to, and
+/// those that saw the same landmarks before, whose views take part.
 GraphProblem make_problem(const Graph& graph, const GraphOptimizerOptions& options);
 
 }  // namespace eg::egraph

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstddef>
 #include <map>
 
 #include "common/egraph/graph_problem.hpp"
@@ -9,7 +10,7 @@ namespace {
 class ProblemMaker {
  public:
   ProblemMaker(const Graph& graph, const GraphOptimizerOptions& options)
-      : graph_(graph), problem_(options), first_(first_refined(graph, options)) {}
+      : graph_(graph), options_(options), problem_(options), first_(first_refined(graph, options)) {}
 
   GraphProblem make() {
     const auto keyframes = graph_.keyframes();
@@ -17,6 +18,7 @@ class ProblemMaker {
       add_keyframe(keyframes[i], i > 0 ? problem_.keyframe_unknowns() : 0);
     }
     for (std::size_t i = first_; i < keyframes.size(); ++i) add_views(keyframes[i].id);
+    for (std::size_t i = 0; i < problem_.landmarks.size(); ++i) add_older_views(i);
     add_constraints();
     return std::move(problem_);
   }
@@ -47,14 +49,31 @@ class ProblemMaker {
       if (graph_.observers(observation.landmark).size() < 2) continue;  // nothing to agree with
       const auto [landmark, is_new] = index_of_landmark_.try_emplace(observation.landmark, problem_.landmarks.size());
       if (is_new) add_landmark(observation.landmark);
-      problem_.views.push_back(
-          {index_of_keyframe_.at(id), landmark->second, observation.direction_in_camera, observation.covariance});
+      add_view(index_of_keyframe_.at(id), landmark->second, observation);
     }
   }
 
+  /// The last that keyframes which are held saw of a landmark before those which are refined: at most as many views as
+  /// there are refined keyframes. They say where the landmark is; its own direction follows whoever saw it last.
+  void add_older_views(std::size_t landmark) {
+    const LandmarkId id = problem_.landmarks[landmark].id;
+    const std::span<const KeyframeId> observers = graph_.observers(id);
+    const auto end = std::lower_bound(observers.begin(), observers.end(), graph_.keyframes()[first_].id);
+    const auto older = std::min<std::ptrdiff_t>(end - observers.begin(), options_.max_keyframes);
+    for (auto observer = end - older; observer != end; ++observer) {
+      const std::size_t keyframe = index_or_held(*observer);
+      for (const Observation& observation : graph_.observations(*observer)) {
+        if (observation.landmark == id) add_view(keyframe, landmark, observation);
+      }
+    }
+  }
+
+  void add_view(std::size_t keyframe, std::size_t landmark, const Observation& observation) {
+    problem_.views.push_back({keyframe, landmark, observation.direction_in_camera, observation.covariance});
+  }
+
   void add_landmark(LandmarkId id) {
-    const bool is_held = graph_.observers(id).front() < graph_.keyframes()[first_].id;
-    problem_.landmarks.push_back({id, graph_.find_landmark(id)->direction, take_columns(is_held ? 0 : 2)});
+    problem_.landmarks.push_back({id, graph_.find_landmark(id)->direction, take_columns(2)});
   }
 
   void add_constraints() {
@@ -70,6 +89,7 @@ class ProblemMaker {
   }
 
   const Graph& graph_;
+  const GraphOptimizerOptions& options_;
   GraphProblem problem_;
   std::size_t first_;  ///< index of the oldest keyframe that is refined
   std::map<KeyframeId, std::size_t> index_of_keyframe_;

@@ -10,6 +10,11 @@
 
 /// Relative rotation from matched scene directions (paper, section 3.1). Directions are unit vectors; j and k are two
 /// camera frames (or a camera and the world). Every function returns R_jk, which takes directions of k to j.
+///
+/// The paper's three minimal cases are here. Only the two-observation case makes hypotheses in estimate_rotation(): it
+/// is the smallest sample, so it needs the fewest true pairs, and a third direction would add its noise to the
+/// hypothesis but nothing that the refinement over all inliers does not know. The other two are for whoever has matched
+/// triples.
 namespace eg::egraph {
 
 /// One scene direction seen from both frames, signs already unified.

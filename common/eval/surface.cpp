@@ -11,6 +11,8 @@ namespace {
 
 using Eigen::Vector3f;
 
+constexpr double kMostParts = 1000.0;  ///< of a triangle's edge: a vertex gone astray does not fill the memory
+
 struct Triangle {
   Vector3f a, b, c;
 };
@@ -27,7 +29,7 @@ void sample_triangle(const Triangle& t, double spacing, SurfaceSamples& result, 
   const float area = 0.5F * (t.b - t.a).cross(t.c - t.a).norm();
   if (!(area > 0.0F)) return;
   const float longest = std::max({(t.b - t.a).norm(), (t.c - t.b).norm(), (t.a - t.c).norm()});
-  const int n = std::max(1, static_cast<int>(std::ceil(longest / spacing)));
+  const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing), 1.0, kMostParts));
   const Vector3f u = (t.b - t.a) / static_cast<float>(n), v = (t.c - t.a) / static_cast<float>(n);
   const auto add = [&](float along_u, float along_v) {
     result.samples.push_back({t.a + along_u * u + along_v * v, area / static_cast<float>(n * n)});

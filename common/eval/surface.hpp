@@ -21,7 +21,7 @@ struct SurfaceSample {
 };
 
 /// The points of a cloud, or points that cover the triangles evenly: each triangle is cut into n² equal ones with edges
-/// of at most `spacing` metres, each of which gives its centre. Triangles without area give nothing.
+/// of at most `spacing` metres (n at most 1000), each of which gives its centre; one without area gives nothing.
 struct SurfaceSamples {
   std::vector<SurfaceSample> samples;
   std::vector<std::uint32_t> triangle;  ///< which triangle a sample lies on; empty for clouds

@@ -1,10 +1,12 @@
 #include "common/features/plane_hull.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "common/features/plane_tolerance.hpp"
 #include "common/geometry/so3.hpp"
 
 namespace eg::features {
@@ -30,6 +32,13 @@ std::vector<std::vector<cv::Point>> row_ends(const cv::Mat& labels, std::size_t 
     }
   }
   return ends;
+}
+
+/// Where a pixel's ray meets the plane, as inverse depth: at the reading, give or take its noise. Where a ray runs
+/// nearly along the plane they meet far away or behind the camera, and the reading knows better.
+double inverse_depth_on(const geometry::Plane& plane, const Eigen::Vector3d& ray, double reading) {
+  const double noise = 3.0 * inverse_depth_sigma(reading);
+  return std::clamp(plane.normal.dot(ray) / -plane.distance, std::max(0.5 * reading, reading - noise), reading + noise);
 }
 
 double corner_area(const std::vector<cv::Point2f>& hull, std::size_t corner) {
@@ -66,8 +75,8 @@ void add_hulls(const cv::Mat& labels, const BlockGrid& grid, std::vector<PlaneFe
     for (const cv::Point& pixel : ends[i]) {
       const Eigen::Vector3d ray(grid.ray_x[static_cast<std::size_t>(pixel.x)],
                                 grid.ray_y[static_cast<std::size_t>(pixel.y)], 1.0);
-      const double depth = -feature.plane.distance / feature.plane.normal.dot(ray);
-      const Eigen::Vector2d on_plane = axes.transpose() * (depth * ray - feature.centroid);
+      const double inverse_depth = inverse_depth_on(feature.plane, ray, grid.inverse_depth.at<float>(pixel));
+      const Eigen::Vector2d on_plane = axes.transpose() * (ray / inverse_depth - feature.centroid);
       points.emplace_back(static_cast<float>(on_plane.x()), static_cast<float>(on_plane.y()));
     }
     cv::convexHull(points, hull);

@@ -42,8 +42,8 @@ base::Status write_ply(const std::filesystem::path& path, const PlyView& data);
 
 /// Reads ASCII and binary little-endian PLY, also as other programs write it: coordinates as float or double, colours
 /// as uchar, polygons (cut into triangles from their first corner); further elements and properties are skipped.
-/// Errors: no PLY, no coordinates, an unknown type, less data than the header promises, coordinates that are not
-/// finite, indices out of range.
+/// Errors: no PLY, no coordinates, vertices in two places, an unknown type, less data than the header promises,
+/// coordinates that are not finite, indices out of range.
 base::Result<PlyData> read_ply(const std::filesystem::path& path);
 
 }  // namespace eg::io

@@ -105,13 +105,17 @@ Eigen::Vector3f vector_at(const Row& row, const std::array<std::size_t, 3>& at) 
   return Eigen::Vector3d(row[at[0]][0], row[at[1]][0], row[at[2]][0]).cast<float>();
 }
 
-std::uint8_t to_byte(double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)); }
+/// Colours may be any numbers in a file, also none: that is black.
+std::uint8_t to_byte(double value) {
+  return std::isnan(value) ? std::uint8_t{0} : static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0));
+}
 
 base::Status read_vertices(PlyValues& values, const PlyElement& element, PlyData& data) {
   const auto position = columns<3>(element, {"x", "y", "z"});
   const auto normal = columns<3>(element, {"nx", "ny", "nz"});
   const auto colour = columns<3>(element, {"red", "green", "blue"});
   if (!position) return base::fail("vertices have no coordinates x, y, z");
+  if (!data.vertices.empty()) return base::fail("holds vertices in two places");
   for (std::size_t i = 0; i < element.count; ++i) {
     const auto row = read_row(values, element);
     if (!row) return tl::make_unexpected(row.error());

@@ -50,7 +50,7 @@ class StreamedArchive : public openvdb::io::Archive {
  public:
   [[nodiscard]] Ptr copy() const override { return std::make_shared<StreamedArchive>(*this); }
 
-  void write(std::span<openvdb::GridBase* const> grids, std::ostream& out) const {
+  void stream(std::span<openvdb::GridBase* const> grids, std::ostream& out) const {
     writeHeader(out, /*seekable=*/false);
     openvdb::MetaMap().writeMeta(out);
     const auto count = static_cast<openvdb::Int32>(grids.size());
@@ -166,7 +166,7 @@ void write_all(SumsReader& reader, const TsdfOptions& options, std::ostream& out
     grid->addStatsMetadata();
     grid->removeMeta(openvdb::GridBase::META_FILE_MEM_BYTES);  // of a tree without values
   }
-  StreamedArchive().write(grids, out);
+  StreamedArchive().stream(grids, out);
 }
 
 }  // namespace

@@ -61,6 +61,9 @@ Bytes encode(const Control& control);
 Bytes encode(const ControlReply& reply);
 Bytes encode(const ServiceStatus& status);
 
+/// The header of a FEATURES message whatever is wrong with its features: to say which frame is refused.
+base::Result<image::FrameHeader> decode_features_header(ByteView bytes);
+
 /// T is any of the types above.
 template <typename T>
 base::Result<T> decode(ByteView bytes);

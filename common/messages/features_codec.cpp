@@ -168,8 +168,8 @@ static void check_references(const FrameFeatures& frame, const Path& path, Check
   }
 }
 
-static base::Result<FrameFeatures> decode_features(ByteView bytes) {
-  const auto wire = decode_wire<Wire>(
+static base::Result<Wire> decode_features_wire(ByteView bytes) {
+  return decode_wire<Wire>(
       bytes,
       {{"num_points", features::kMaxPoints, wire_size<egraph_msgs::point_t>()},
        {"num_lines", features::kMaxLines, wire_size<egraph_msgs::line_t>()},
@@ -177,6 +177,10 @@ static base::Result<FrameFeatures> decode_features(ByteView bytes) {
        {"num_hull_points", features::kMaxPlanes * features::kMaxHullPoints, wire_size<egraph_msgs::hull_point_t>()},
        {"num_directions", features::kMaxDirections, wire_size<egraph_msgs::direction_t>()}},
       {{"camera_name", kMaxName}});
+}
+
+static base::Result<FrameFeatures> decode_features(ByteView bytes) {
+  const auto wire = decode_features_wire(bytes);
   if (!wire) return tl::make_unexpected(wire.error());
   const Path path;
   Checker check;
@@ -207,6 +211,16 @@ Bytes encode(const FrameFeatures& frame) {
   }
   wire.num_hull_points = static_cast<std::int32_t>(wire.hull_points.size());
   return encode_wire(wire);
+}
+
+base::Result<image::FrameHeader> decode_features_header(ByteView bytes) {
+  return guarded<image::FrameHeader>([&]() -> base::Result<image::FrameHeader> {
+    const auto wire = decode_features_wire(bytes);
+    if (!wire) return tl::make_unexpected(wire.error());
+    Checker check;
+    image::FrameHeader header = read(wire->header, Path{}("header"), check);
+    return checked(header, check);
+  });
 }
 
 template <>

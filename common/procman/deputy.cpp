@@ -43,7 +43,7 @@ Deputy::Deputy(Options options, DeputyOutbox outbox, Now now)
 
 void Deputy::handle(const Orders& orders, Now now) {
   now_ = now;
-  const bool stale = now.utime - orders.utime > kOldestOrders;
+  const bool stale = orders.utime < now.utime - kOldestOrders;  // theirs is whatever the network says
   if (orders.host != options_.name || stale || discovering(now) || shutting_down_) return;
   note_sheriff(orders.sheriff_name, now);
   for (auto& [sheriff_id, entry] : entries_) {

@@ -32,7 +32,8 @@ constexpr int kNotStarted = 127 << 8;
 std::string describe_wait_status(int wait_status) {
   if (WIFSIGNALED(wait_status)) {
     const int number = WTERMSIG(wait_status);
-    return "signal " + std::to_string(number) + " (" + sigdescr_np(number) + ")";
+    const char* const description = sigdescr_np(number);  // null for those of real time
+    return "signal " + std::to_string(number) + (description != nullptr ? " (" + std::string(description) + ")" : "");
   }
   return "exit status " + std::to_string(WEXITSTATUS(wait_status));
 }

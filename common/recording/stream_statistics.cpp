@@ -18,7 +18,8 @@ std::int64_t SessionStatistics::missing() const {
 }
 
 double ChannelStatistics::rate() const {
-  return last_utime > first_utime ? static_cast<double>(messages - 1) / seconds() : 0.0;
+  const double time = seconds();
+  return time > 0.0 ? static_cast<double>(messages - 1) / time : 0.0;
 }
 
 std::int64_t ChannelStatistics::missing() const {

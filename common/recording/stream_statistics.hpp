@@ -31,7 +31,10 @@ struct ChannelStatistics {
   std::int64_t last_utime = 0;
   std::map<std::int64_t, SessionStatistics> sessions;
 
-  [[nodiscard]] double seconds() const { return 1e-6 * static_cast<double>(last_utime - first_utime); }
+  /// From the first message to the last. Times in a damaged log may lie further apart than their difference can say.
+  [[nodiscard]] double seconds() const {
+    return 1e-6 * (static_cast<double>(last_utime) - static_cast<double>(first_utime));
+  }
   /// Messages per second between the first and the last; 0 of fewer than two.
   [[nodiscard]] double rate() const;
   [[nodiscard]] std::int64_t missing() const;

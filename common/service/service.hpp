@@ -43,6 +43,8 @@ class ServiceContext {
   ServiceContext(transport::Bus& bus, ServiceOptions options);
 
   [[nodiscard]] const ServiceOptions& options() const { return options_; }
+  /// The name under which it reports, answers requests and acknowledges from now on, if several share its work.
+  void rename(const std::string& name);
   StatusReporter& status() { return status_; }
 
   /// Encodes and sends. A failure is counted in the status and logged.
@@ -51,17 +53,23 @@ class ServiceContext {
     publish_bytes(channel, messages::encode(value));
   }
 
-  /// Decodes and validates before `handler` sees a message; what fails is counted and reported, never fatal.
+  /// What hears of a message that was refused: its bytes, and one sentence with the channel and the field.
+  using RefusalHandler = std::function<void(messages::ByteView bytes, const std::string& why)>;
+
+  /// Decodes and validates before `handler` sees a message; what fails is counted and reported, never fatal, and given
+  /// to `refused`, if there is one.
   template <typename T>
-  void subscribe(const char* channel, int queue_capacity, std::function<void(const T&)> handler) {
-    subscribe_bytes(channel, queue_capacity, [this, channel, handler = std::move(handler)](messages::ByteView bytes) {
+  void subscribe(const char* channel, int queue_capacity, std::function<void(const T&)> handler,
+                 RefusalHandler refused = {}) {
+    const auto on_bytes = [this, channel, handler = std::move(handler),
+                           refused = std::move(refused)](messages::ByteView bytes) {
       const auto value = messages::decode<T>(bytes);
-      if (value) {
-        handler(*value);
-      } else {
-        status_.count_rejected(std::string(channel) + ": " + value.error().message);
-      }
-    });
+      if (value) return handler(*value);
+      const std::string why = std::string(channel) + ": " + value.error().message;
+      status_.count_rejected(why);
+      if (refused) refused(bytes, why);
+    };
+    subscribe_bytes(channel, queue_capacity, on_bytes);
   }
 
  private:

@@ -7,6 +7,11 @@ namespace eg::service {
 ServiceContext::ServiceContext(transport::Bus& bus, ServiceOptions options)
     : bus_(bus), options_(std::move(options)), status_(options_.name) {}
 
+void ServiceContext::rename(const std::string& name) {
+  options_.name = name;
+  status_.set_service(name);
+}
+
 void ServiceContext::publish_bytes(const char* channel, const messages::Bytes& bytes) {
   const base::Status sent = bus_.publish(channel, bytes);
   if (!sent) status_.count_rejected(std::string(channel) + " could not be sent: " + sent.error().message);

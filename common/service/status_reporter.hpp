@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "common/messages/control.hpp"
 #include "common/service/latency_histogram.hpp"
@@ -22,6 +23,7 @@ class StatusReporter {
   /// A message failed validation.
   void count_rejected(const std::string& why);
   void set_state(std::string state);
+  void set_service(std::string name) { status_.service = std::move(name); }
 
   /// The status now; utime from the caller, CPU and memory from the operating system.
   [[nodiscard]] messages::ServiceStatus status(std::int64_t utime) const;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/check.hpp"
 #include "common/geometry/so3.hpp"
 #include "common/synthetic/pixel_rays.hpp"
 
@@ -95,26 +94,6 @@ SceneStructure structure_of(const Scene& scene) {
   return structure;
 }
 
-std::vector<int> visible_pixels(const SceneStructure& structure, const Rendering& rendering) {
-  std::vector<int> by_surface;
-  for (const auto surface : cv::Mat_<std::int16_t>(rendering.surface)) {
-    if (surface < 0) continue;
-    if (static_cast<std::size_t>(surface) >= by_surface.size())
-      by_surface.resize(static_cast<std::size_t>(surface) + 1);
-    ++by_surface[static_cast<std::size_t>(surface)];
-  }
-  std::vector<int> counts;
-  for (const TruePlane& plane : structure.planes) {
-    int count = 0;
-    for (const int surface : plane.surfaces) {
-      const auto index = static_cast<std::size_t>(surface);
-      if (index < by_surface.size()) count += by_surface[index];
-    }
-    counts.push_back(count);
-  }
-  return counts;
-}
-
 std::vector<double> visible_lengths(const SceneStructure& structure, const Rendering& rendering,
                                     const geometry::CameraModel& camera, const geometry::Pose& world_from_camera) {
   const geometry::Pose camera_from_world = world_from_camera.inverse();
@@ -123,21 +102,6 @@ std::vector<double> visible_lengths(const SceneStructure& structure, const Rende
     lengths.push_back(visible_length(edge, rendering, camera, camera_from_world));
   }
   return lengths;
-}
-
-std::vector<Vector3d> sample_surfaces(const Scene& scene, double spacing) {
-  EG_CHECK(spacing > 0, "samples need a spacing");
-  std::vector<Vector3d> points;
-  for (const Surface& surface : scene.surfaces) {
-    const Eigen::AlignedBox2d box = surface.bounds();
-    // Half a spacing inside the borders: the mean over a cell is at its middle.
-    for (double v = box.min().y() + 0.5 * spacing; v < box.max().y(); v += spacing) {
-      for (double u = box.min().x() + 0.5 * spacing; u < box.max().x(); u += spacing) {
-        if (surface.contains({u, v})) points.push_back(surface.point({u, v}));
-      }
-    }
-  }
-  return points;
 }
 
 }  // namespace eg::synthetic

@@ -35,15 +35,9 @@ struct SceneStructure {
 /// The structure of the geometry; edges within textures (joints of tiles and the like) are not part of it.
 SceneStructure structure_of(const Scene& scene);
 
-/// How many pixels of a rendering show each plane; as long as structure.planes.
-std::vector<int> visible_pixels(const SceneStructure& structure, const Rendering& rendering);
-
 /// The visible length in pixels of each edge; as long as structure.edges. An edge is seen where its points are as deep
 /// as the rendering around them.
 std::vector<double> visible_lengths(const SceneStructure& structure, const Rendering& rendering,
                                     const geometry::CameraModel& camera, const geometry::Pose& world_from_camera);
-
-/// Points on all surfaces, about one per `spacing`² (metres): a regular lattice on each. World, metres.
-std::vector<Eigen::Vector3d> sample_surfaces(const Scene& scene, double spacing);
 
 }  // namespace eg::synthetic

@@ -115,8 +115,9 @@ class BundleProblem {
     write_pose(camera_from_world, pose(i));
     problem_.AddParameterBlock(pose(i), kPoseSize, &pose_manifold_);
     ordering_->AddElementToGroup(pose(i), 1);
-    problem_.AddResidualBlock(new PosePriorCost({camera_from_world, options.rotation_sigma, options.translation_sigma}),
-                              nullptr, pose(i));
+    problem_.AddResidualBlock(
+        new PosePriorCost(known_within(camera_from_world, options.rotation_sigma, options.translation_sigma)), nullptr,
+        pose(i));
     std::vector<egraph::Association> living = keyframe.directions;
     std::erase_if(living, [&](const auto& seen) { return graph.find_landmark(seen.landmark) == nullptr; });
     for (DirectionFactor& factor : direction_factors(keyframe.features, graph, living, camera_from_world.rotation)) {

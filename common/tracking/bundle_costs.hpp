@@ -191,21 +191,18 @@ class DirectionCost : public ceres::SizedCostFunction<2, kPoseSize> {
 /// Tracking put a keyframe where it is, give or take.
 class PosePriorCost : public ceres::SizedCostFunction<6, kPoseSize> {
  public:
-  explicit PosePriorCost(MotionPrior prior) : prior_(std::move(prior)) {}
+  explicit PosePriorCost(const MotionPrior& prior)
+      : camera_from_world_(prior.camera_from_world), whitener_(prior.whitener()) {}
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    Vector6d weights;
-    weights << Eigen::Vector3d::Constant(1.0 / prior_.rotation_sigma),
-        Eigen::Vector3d::Constant(1.0 / prior_.translation_sigma);
-    Eigen::Map<Vector6d>{residuals} = weights.cwiseProduct(pose_difference(prior_.camera_from_world, read_pose(x[0])));
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      write_jacobian<kPoseSize>(Matrix6d(weights.asDiagonal()), jacobians[0]);
-    }
+    Eigen::Map<Vector6d>{residuals} = whitener_ * pose_difference(camera_from_world_, read_pose(x[0]));
+    if (jacobians != nullptr && jacobians[0] != nullptr) write_jacobian<kPoseSize>(whitener_, jacobians[0]);
     return true;
   }
 
  private:
-  MotionPrior prior_;
+  geometry::Pose camera_from_world_;
+  Matrix6d whitener_;
 };
 
 }  // namespace eg::tracking

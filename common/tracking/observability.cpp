@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "common/geometry/so3.hpp"
-
 namespace eg::tracking {
 namespace {
 
@@ -35,34 +33,6 @@ Observability observability(const Matrix6d& information) {
   const auto shifts = marginal(translation, cross.transpose(), rotation);
   return {sigma_of(turns.eigenvalues()[0]), sigma_of(turns.eigenvalues()[1]), turns.eigenvectors().col(0),
           sigma_of(shifts.eigenvalues()[0])};
-}
-
-geometry::Pose keep_predicted_where_unobserved(const MotionPrior& prediction, const geometry::Pose& solved,
-                                               const Matrix6d& information, double max_translation_sigma) {
-  const Eigen::Matrix3d turns = information.topLeftCorner<3, 3>() +
-                                Eigen::Matrix3d::Identity() / (prediction.rotation_sigma * prediction.rotation_sigma);
-  const auto shifts = marginal(information.bottomRightCorner<3, 3>(), information.bottomLeftCorner<3, 3>(), turns);
-  Vector6d step = pose_difference(prediction.camera_from_world, solved);
-  const Eigen::Vector3d shift = step.tail<3>();
-  for (int i = 0; i < 3; ++i) {
-    if (sigma_of(shifts.eigenvalues()[i]) <= max_translation_sigma) continue;
-    step.tail<3>() -= shifts.eigenvectors().col(i).dot(shift) * shifts.eigenvectors().col(i);
-  }
-  return perturb(prediction.camera_from_world, step);
-}
-
-Matrix6d world_covariance(const Matrix6d& information, const MotionPrior& prior,
-                          const geometry::Pose& world_from_camera) {
-  Vector6d weights;
-  weights << Eigen::Vector3d::Constant(1.0 / (prior.rotation_sigma * prior.rotation_sigma)),
-      Eigen::Vector3d::Constant(1.0 / (prior.translation_sigma * prior.translation_sigma));
-  const Matrix6d covariance = (information + weights.asDiagonal().toDenseMatrix()).inverse();
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint.topLeftCorner<3, 3>() = world_from_camera.rotation;
-  adjoint.bottomRightCorner<3, 3>() = world_from_camera.rotation;
-  adjoint.bottomLeftCorner<3, 3>() = geometry::hat(world_from_camera.translation) * world_from_camera.rotation;
-  const Matrix6d in_world = adjoint * covariance * adjoint.transpose();
-  return 0.5 * (in_world + in_world.transpose());
 }
 
 }  // namespace eg::tracking

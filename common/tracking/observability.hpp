@@ -14,15 +14,4 @@ struct Observability {
 
 Observability observability(const Matrix6d& information);
 
-/// The solved pose, but with the predicted position along every direction in which the measurements leave it more
-/// uncertain than `max_translation_sigma` (metres): there a few wrong matches would carry the camera away. A turn that
-/// the measurements leave open is as uncertain as the prediction's.
-geometry::Pose keep_predicted_where_unobserved(const MotionPrior& prediction, const geometry::Pose& solved,
-                                               const Matrix6d& information, double max_translation_sigma);
-
-/// Covariance of (rotation, translation) of a left perturbation of world_from_camera, from the information about
-/// camera_from_world. `prior` bounds what the measurements leave open.
-Matrix6d world_covariance(const Matrix6d& information, const MotionPrior& prior,
-                          const geometry::Pose& world_from_camera);
-
 }  // namespace eg::tracking

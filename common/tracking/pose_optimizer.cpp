@@ -1,6 +1,7 @@
 #include "common/tracking/pose_optimizer.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -58,16 +59,12 @@ NormalEquations linearize_measurements(const PoseProblem& problem, const geometr
 
 /// A hand may jerk: a prediction that the measurements contradict must not drag them along.
 void add_prior(const MotionPrior& prior, const geometry::Pose& pose, NormalEquations& equations) {
-  const Vector6d difference = pose_difference(prior.camera_from_world, pose);
-  const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
-  Eigen::Matrix<double, 3, 6> by_rotation = Eigen::Matrix<double, 3, 6>::Zero();
-  Eigen::Matrix<double, 3, 6> by_translation = Eigen::Matrix<double, 3, 6>::Zero();
-  by_rotation.leftCols<3>() = identity / prior.rotation_sigma;
-  by_translation.rightCols<3>() = identity / prior.translation_sigma;
-  const Eigen::Vector3d turn = difference.head<3>() / prior.rotation_sigma;
-  const Eigen::Vector3d way = difference.tail<3>() / prior.translation_sigma;
-  equations.add<3>(turn, by_rotation, cauchy(turn.squaredNorm(), kChi2Three));
-  equations.add<3>(way, by_translation, cauchy(way.squaredNorm(), kChi2Three));
+  const Matrix6d whitener = prior.whitener();
+  const Vector6d residual = whitener * pose_difference(prior.camera_from_world, pose);
+  const Eigen::Vector3d turn = residual.head<3>();
+  const Eigen::Vector3d way = residual.tail<3>();
+  equations.add<3>(turn, whitener.topRows<3>(), cauchy(turn.squaredNorm(), kChi2Three));
+  equations.add<3>(way, whitener.bottomRows<3>(), cauchy(way.squaredNorm(), kChi2Three));
 }
 
 NormalEquations linearize(const PoseProblem& problem, const geometry::Pose& pose, const PoseSolution& inliers) {
@@ -131,9 +128,25 @@ void classify(const PoseProblem& problem, const geometry::Pose& pose, PoseSoluti
   }
 }
 
+double worst_sigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()[2]);
+}
+
 int count(const std::vector<bool>& flags) { return static_cast<int>(std::count(flags.begin(), flags.end(), true)); }
 
 }  // namespace
+
+double MotionPrior::rotation_sigma() const { return worst_sigma(covariance.topLeftCorner<3, 3>()); }
+double MotionPrior::translation_sigma() const { return worst_sigma(covariance.bottomRightCorner<3, 3>()); }
+
+Matrix6d MotionPrior::whitener() const { return covariance.llt().matrixL().solve(Matrix6d::Identity()); }
+
+MotionPrior known_within(const geometry::Pose& camera_from_world, double rotation_sigma, double translation_sigma) {
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(rotation_sigma * rotation_sigma),
+      Eigen::Vector3d::Constant(translation_sigma * translation_sigma);
+  return {camera_from_world, variances.asDiagonal()};
+}
 
 int PoseSolution::inlier_points() const { return count(point_inliers); }
 int PoseSolution::inlier_lines() const { return count(line_inliers); }

@@ -48,12 +48,19 @@ struct DirectionFactor {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< rad², tangential, camera frame; the landmark's included
 };
 
-/// Where the motion model expects the camera.
+/// Where the camera is expected before a frame is looked at.
 struct MotionPrior {
   geometry::Pose camera_from_world;
-  double rotation_sigma = 1.0;     ///< radians
-  double translation_sigma = 1.0;  ///< metres
+  Matrix6d covariance = Matrix6d::Identity();  ///< of (rotation, translation), left perturbation; rad, m
+
+  [[nodiscard]] double rotation_sigma() const;     ///< radians, about the worst axis
+  [[nodiscard]] double translation_sigma() const;  ///< metres, along the worst
+  /// W such that W δ has unit covariance; its upper rows do not depend on the translation.
+  [[nodiscard]] Matrix6d whitener() const;
 };
+
+/// A place that is known equally well in all directions; radians and metres.
+MotionPrior known_within(const geometry::Pose& camera_from_world, double rotation_sigma, double translation_sigma);
 
 struct PoseProblem {
   geometry::CameraModel camera;

@@ -3,22 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "common/geometry/so3.hpp"
+#include "common/tracking/pose_covariance.hpp"
 
 namespace eg::tracking {
-namespace {
-
-/// The adjoint of a pose: takes left perturbations (rotation, translation) of x to those of pose * x.
-egraph::Matrix6d adjoint(const geometry::Pose& pose) {
-  egraph::Matrix6d matrix = egraph::Matrix6d::Zero();
-  matrix.topLeftCorner<3, 3>() = pose.rotation;
-  matrix.bottomRightCorner<3, 3>() = pose.rotation;
-  matrix.bottomLeftCorner<3, 3>() = geometry::hat(pose.translation) * pose.rotation;
-  return matrix;
-}
-
-}  // namespace
-
 std::vector<egraph::RelativePose> relative_poses(const Map& map, KeyframeId id, const egraph::Matrix6d& covariance,
                                                  std::size_t max_keyframes) {
   std::vector<egraph::Covisibility> most = map.covisible(id);  // most shared first

@@ -23,10 +23,10 @@ std::vector<Match> only(const std::vector<Match>& matches, const std::vector<boo
 
 Tracker::Frame Tracker::estimate(const FrameFeatures& features) const {
   Frame frame = estimate(features, options_.parts.egraph);
-  if (!frame.rotation_from_graph || !planes_are_unmistakable(frame) || !leads_away(frame)) return frame;
-  // Directions of the frame were taken for others of the graph: see where the prediction, which is sharp, leads alone.
+  if (!frame.rotation_from_graph || !is_doubtful(frame)) return frame;
+  // Directions of the frame were taken for others of the graph, or are wrong: see where the prediction leads alone.
   Frame predicted = estimate(features, false);
-  return leads_away(predicted) ? std::move(frame) : std::move(predicted);
+  return is_doubtful(predicted) ? std::move(frame) : std::move(predicted);
 }
 
 Tracker::Frame Tracker::estimate(const FrameFeatures& features, bool with_graph) const {
@@ -42,7 +42,7 @@ void Tracker::follow_graph_rotation(Frame& frame) const {
   if (!options_.parts.egraph) return;
   const Pose& predicted = frame.prediction.camera_from_world;
   GraphRotation found = estimate_rotation_from_graph(frame.features, graph_, predicted.rotation,
-                                                     frame.prediction.rotation_sigma, options_.rotation);
+                                                     frame.prediction.rotation_sigma(), options_.rotation);
   frame.rotation_from_graph = found.determined;
   frame.rotation_reference = found.reference;
   frame.associations = std::move(found.associations);
@@ -60,7 +60,7 @@ void Tracker::match_and_build_problem(Frame& frame, double radius) const {
   frame.near_lines = map_.lines_near(camera, pose);
   frame.matches.points = match_points(frame.features, map_, frame.near_points, pose, search);
   frame.matches.lines = match_lines(frame.features, map_, frame.near_lines, pose, search);
-  frame.matches.planes = match_planes(frame.features, map_, pose, frame.prediction.translation_sigma, search);
+  frame.matches.planes = match_planes(frame.features, map_, pose, frame.prediction.translation_sigma(), search);
   frame.problem.camera = camera;
   frame.problem.prior = frame.prediction;
   frame.problem.points = point_factors(frame.features, map_, frame.matches.points, pose);

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "common/tracking/relative_poses.hpp"
 #include "common/tracking/tracker.hpp"
 
 /// The tracker and the E-Graph server: what one tells the other, and how the map follows a refined graph.
@@ -28,11 +27,6 @@ const geometry::Pose* announced_pose(KeyframeId id, const egraph::GraphUpdate& u
 }  // namespace
 
 void Tracker::report_moved_keyframes(egraph::Keyframe& keyframe) const {
-  const auto add_relative_poses = [&](KeyframeId id) {
-    const auto& covariance = keyframe_covariances_[static_cast<std::size_t>(id.value)];
-    const std::vector<egraph::RelativePose> measured = relative_poses(map_, id, covariance);
-    keyframe.relative_poses.insert(keyframe.relative_poses.end(), measured.begin(), measured.end());
-  };
   // The newest first: of the rest the server hears with the next keyframe.
   const std::span<const MapKeyframe> all = map_.keyframes();
   for (auto at = all.rbegin(); at != all.rend(); ++at) {
@@ -41,9 +35,7 @@ void Tracker::report_moved_keyframes(egraph::Keyframe& keyframe) const {
     if (node == nullptr || equal(node->world_from_camera, older.world_from_camera)) continue;
     if (keyframe.moved.size() == kMaxReported) break;
     keyframe.moved.push_back({older.id, older.world_from_camera});
-    add_relative_poses(older.id);
   }
-  add_relative_poses(keyframe.id);
 }
 
 base::Result<std::vector<egraph::CorrectedPose>> Tracker::follow(const egraph::GraphUpdate& update) {

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/tracking/pose_covariance.hpp"
+#include "common/tracking/relative_poses.hpp"
 #include "common/tracking/tracker_frame.hpp"
 
 /// When a frame becomes a keyframe, and what then happens to the map.
@@ -86,7 +88,7 @@ void Tracker::add_keyframe(Frame& frame, TrackResult& result) {
   }
   result.keyframe = announcement(features, estimate);
   result.keyframe->covisible = map_.covisible(estimate.keyframe);
-  keyframe_covariances_.push_back(estimate.covariance);
+  result.keyframe->relative_poses = relative_poses(map_, estimate.keyframe, covariance_by_map(frame));
   report_moved_keyframes(*result.keyframe);
 }
 

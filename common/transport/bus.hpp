@@ -20,8 +20,8 @@ struct ReceivedMessage {
   std::int64_t receive_utime = 0;  ///< microseconds
 };
 
-/// Publish and subscribe on named channels. Implementations: LCM (LcmBus), in memory (MemoryBus), LCM log file
-/// (LogBus). A bus is used by one thread.
+/// Publish and subscribe on named channels. Implementations: LCM (LcmBus), in memory (MemoryBus), another bus with a
+/// prefix (PrefixedBus). A bus is used by one thread.
 class Bus {
  public:
   using Handler = std::function<void(const ReceivedMessage&)>;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/service_name.hpp"
 
 namespace eg::services {
 namespace {
@@ -17,6 +18,7 @@ constexpr std::int64_t kAnotherRun = 64;
 constexpr std::size_t kMaxSamples = 1'000'000;  ///< nine hours at 30 Hz
 constexpr std::size_t kMaxTiles = 100'000;
 constexpr std::int32_t kMaxParts = 64;
+constexpr std::size_t kMaxMappers = 64;  ///< that share the space
 
 constexpr float kPathWidth = 3.0F;  ///< pixels
 constexpr char kMesh[] = "mesh";
@@ -120,7 +122,9 @@ void LiveLayers::on_chunk(const mapping::MeshChunk& chunk) {
 }
 
 void LiveLayers::on_status(const messages::ServiceStatus& status) {
-  if (status.service != "mapper" || std::exchange(mapper_, status.pid) == status.pid) return;
+  if (!messages::is_of_service(status.service, "mapper")) return;
+  if (!mappers_.contains(status.service) && mappers_.size() >= kMaxMappers) return;
+  if (std::exchange(mappers_[status.service], status.pid) == status.pid) return;
   for (auto& [number, tile] : tiles_) tile.shown = tile.coming = -1;  // another one counts its revisions from the start
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "common/service/service.hpp"
@@ -61,7 +62,7 @@ class LiveLayers {
   std::int64_t now_ = 0;    ///< as of the last idle()
   std::int64_t heard_ = 0;  ///< when the session's last pose came
   std::int64_t next_request_ = 0;
-  std::int32_t mapper_ = 0;  ///< its process
+  std::map<std::string, std::int32_t> mappers_;  ///< processes, by name: several may share the space
 };
 
 }  // namespace eg::services

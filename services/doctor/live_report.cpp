@@ -70,12 +70,12 @@ void judge_service(const std::string& name, const ServiceView& view, std::int64_
   }
 }
 
-/// Extractors may stand side by side; of the others one is right.
+/// Extractors may stand side by side; of the others, and of mappers of one share of the space, one is right.
 void judge_rivals(const std::map<std::string, ServiceView>& services, Findings& findings) {
   std::map<std::string, int> processes;
   for (const auto& [name, view] : services) ++processes[view.latest.service];
   for (const auto& [service, count] : processes) {
-    if (count == 1 || service == "feature_extractor" || service == "mapper") continue;
+    if (count == 1 || service == "feature_extractor") continue;
     findings.push_back({Severity::warning, fmt::format("{} processes call themselves {}", count, service),
                         "stop all but one, or give each robot a --channel-prefix of its own"});
   }

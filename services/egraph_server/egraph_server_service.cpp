@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -46,6 +47,12 @@ base::Result<EGraphServerService::Session*> EGraphServerService::open(std::int64
   if (sessions_.size() >= kMaxSessions) {
     return base::fail("field 'session' is new and there are " + std::to_string(kMaxSessions) + " sessions already");
   }
+  auto session = read(id);
+  if (!session) return tl::make_unexpected(session.error());
+  return &sessions_.emplace(id, *std::move(session)).first->second;
+}
+
+base::Result<EGraphServerService::Session> EGraphServerService::read(std::int64_t id) const {
   Session session{egraph::GraphBuilder(options_), {}, {}, false};
   if (!state_.empty()) {
     session.store.emplace(state_, id, store_options_);
@@ -54,7 +61,7 @@ base::Result<EGraphServerService::Session*> EGraphServerService::open(std::int64
     if (!stored->warning.empty()) spdlog::warn(stored->warning);
     session.builder = egraph::GraphBuilder(options_, std::move(stored->state));
   }
-  return &sessions_.emplace(id, std::move(session)).first->second;
+  return session;
 }
 
 bool EGraphServerService::is_kept(std::int64_t id) const {
@@ -127,13 +134,20 @@ void EGraphServerService::publish_snapshot(std::int64_t session, const egraph::G
 
 base::Status EGraphServerService::save() {
   if (context_.options().out.empty()) return {};
-  // A server that was killed after a session's last keyframe has not heard of it since.
-  for (const std::int64_t id : GraphStore::sessions_in(state_)) {
-    if (const auto kept = open(id); !kept) return tl::make_unexpected(kept.error());
-  }
-  for (const auto& [id, session] : sessions_) {
-    const std::string name = sessions_.size() == 1 ? "egraph.json" : "egraph-" + std::to_string(id) + ".json";
-    const auto written = io::write_graph(context_.options().out / name, file_of(session.builder.graph(), id));
+  // A server that was killed after a session's last keyframe has not heard of it since. There may be any number of such
+  // sessions: each is read for as long as its file takes.
+  std::set<std::int64_t> ids;
+  for (const auto& [id, session] : sessions_) ids.insert(id);
+  for (const std::int64_t id : GraphStore::sessions_in(state_)) ids.insert(id);
+  const auto write = [&](std::int64_t id, const Session& session) {
+    const std::string name = ids.size() == 1 ? "egraph.json" : "egraph-" + std::to_string(id) + ".json";
+    return io::write_graph(context_.options().out / name, file_of(session.builder.graph(), id));
+  };
+  for (const std::int64_t id : ids) {
+    const auto served = sessions_.find(id);
+    const auto written = served != sessions_.end()
+                             ? write(id, served->second)
+                             : read(id).and_then([&](const Session& kept) { return write(id, kept); });
     if (!written) return written;
   }
   return {};

@@ -39,6 +39,8 @@ class EGraphServerService : public service::Service {
   void on_restore(const egraph::GraphSnapshot& part);
   /// The session, read from the disk or new.
   base::Result<Session*> open(std::int64_t id);
+  /// The same, without making it one of those that are served.
+  [[nodiscard]] base::Result<Session> read(std::int64_t id) const;
   [[nodiscard]] bool is_kept(std::int64_t id) const;
   void publish_snapshot(std::int64_t session, const egraph::Graph& graph);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <string>
 
 #include "common/messages/channels.hpp"
 
@@ -18,9 +19,20 @@ constexpr std::size_t kMaxAnswers = 16;
 FeatureExtractorService::FeatureExtractorService(service::ServiceContext& context,
                                                  const features::FeatureExtractorOptions& options)
     : context_(context), extractor_(options) {
-  context_.subscribe<image::RgbdFrame>(messages::channels::kRgbd,
-                                       context_.options().lockstep ? kLockstepQueue : kRealtimeQueue,
-                                       [this](const image::RgbdFrame& frame) { handle_frame(frame); });
+  context_.subscribe<image::RgbdFrame>(
+      messages::channels::kRgbd, context_.options().lockstep ? kLockstepQueue : kRealtimeQueue,
+      [this](const image::RgbdFrame& frame) { handle_frame(frame); },
+      [this](messages::ByteView bytes, const std::string&) { handle_refused(bytes); });
+}
+
+void FeatureExtractorService::handle_refused(messages::ByteView bytes) {
+  const auto frame = messages::decode<messages::CompressedFrame>(bytes);
+  if (!frame) return;
+  features::FrameFeatures nothing;
+  nothing.header = frame->header;
+  nothing.camera = frame->camera;
+  nothing.camera.distortion = {};
+  context_.publish(messages::channels::kFeatures, nothing);
 }
 
 void FeatureExtractorService::handle_frame(const image::RgbdFrame& frame) {

@@ -18,6 +18,8 @@ class FeatureExtractorService : public service::Service {
 
  private:
   void handle_frame(const image::RgbdFrame& frame);
+  /// Images that cannot be decoded are a frame without features: lockstep would wait for their frame for ever.
+  void handle_refused(messages::ByteView bytes);
   /// In real time: one that is sent again for the mapper, or was overtaken; the tracker is past it.
   [[nodiscard]] bool is_out_of_date(const image::FrameHeader& header) const;
   [[nodiscard]] const features::FrameFeatures* find_answer(const image::FrameHeader& header) const;

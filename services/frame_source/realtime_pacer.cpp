@@ -7,10 +7,6 @@ constexpr std::int64_t kLongestWait = 10'000'000;  // microseconds
 
 }  // namespace
 
-void RealtimePacer::heard_of(const std::string& service) {
-  std::erase_if(missing_, [&](const std::string& name) { return name == service || name.starts_with(service + '.'); });
-}
-
 std::optional<std::int64_t> RealtimePacer::until(std::int64_t utime, std::int64_t now_utime) {
   if (!waiting_since_) waiting_since_ = now_utime;
   if (!offset_) {

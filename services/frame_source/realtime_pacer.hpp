@@ -14,8 +14,7 @@ class RealtimePacer {
  public:
   explicit RealtimePacer(const std::vector<std::string>& consumers) : missing_(consumers.begin(), consumers.end()) {}
 
-  /// Mappers that share the space acknowledge frames as mapper.0, mapper.1 and so on, and all report as mapper.
-  void heard_of(const std::string& service);
+  void heard_of(const std::string& service) { missing_.erase(service); }
 
   /// Microseconds until a frame of time `utime` is due, at most 0 if it is. Nothing while consumers are awaited.
   std::optional<std::int64_t> until(std::int64_t utime, std::int64_t now_utime);

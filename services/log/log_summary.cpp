@@ -34,7 +34,7 @@ double duration(const LogSummary& summary) {
     first = std::min(first, channel.first_utime);
     last = std::max(last, channel.last_utime);
   }
-  return last > first ? 1e-6 * static_cast<double>(last - first) : 0.0;
+  return last > first ? 1e-6 * (static_cast<double>(last) - static_cast<double>(first)) : 0.0;
 }
 
 }  // namespace

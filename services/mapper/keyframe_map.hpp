@@ -64,7 +64,6 @@ class KeyframeMap {
   [[nodiscard]] mapping::TsdfMap& field() { return field_; }
   [[nodiscard]] const mapping::TsdfMap& field() const { return field_; }
   [[nodiscard]] std::size_t keyframe_count() const { return keyframes_.size(); }
-  [[nodiscard]] std::size_t image_bytes() const { return image_bytes_; }
 
  private:
   struct LatestPose {

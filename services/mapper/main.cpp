@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "common/service/logging.hpp"
 #include "common/service/service.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/mapper_service.hpp"
@@ -27,6 +28,7 @@ base::Result<std::unique_ptr<service::Service>> make(service::ServiceContext& co
   if (const auto status = parse_tiles(tiles, options.tsdf); !status) return tl::make_unexpected(status.error());
   if (const auto status = mapping::validate(options.tsdf); !status) return tl::make_unexpected(status.error());
   auto mapper = std::make_unique<services::MapperService>(context, options);
+  service::log_to_stderr(context.options().name);  // which of several it is
   if (const auto status = mapper->open(archive); !status) return tl::make_unexpected(status.error());
   return mapper;
 }

@@ -27,9 +27,16 @@ void MapperService::finish_if_complete(std::int64_t sequence) {
 }
 
 void MapperService::forget_old_frames() {
+  // By arrival, not by number: a number that nobody else would give must not stay in the place of honest ones.
   auto& frames = session_->frames;
-  for (auto it = frames.begin(); it != frames.end() && frames.size() > kMaxRecentFrames;) {
-    it = session_->queue.waiting_for(it->first) == nullptr ? frames.erase(it) : std::next(it);
+  while (frames.size() > kMaxRecentFrames) {
+    auto oldest = frames.end();
+    for (auto it = frames.begin(); it != frames.end(); ++it) {
+      const bool older = oldest == frames.end() || it->second.arrival < oldest->second.arrival;
+      if (older && session_->queue.waiting_for(it->first) == nullptr) oldest = it;
+    }
+    if (oldest == frames.end()) return;
+    frames.erase(oldest);
   }
 }
 

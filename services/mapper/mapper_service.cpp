@@ -22,6 +22,7 @@ constexpr std::size_t kFormerSessions = 64;   // whose late messages are told fr
 
 MapperService::MapperService(service::ServiceContext& context, const MapperOptions& options)
     : context_(context), options_(options), session_(std::make_unique<MappedSession>(options)) {
+  context_.rename(with_share(context_.options().name, options_.tsdf));
   const int frame_queue = context_.options().lockstep ? kLockstepFrameQueue : kRealtimeFrameQueue;
   context_.subscribe<messages::CompressedFrame>(messages::channels::kRgbd, frame_queue,
                                                 [this](const messages::CompressedFrame& frame) { on_frame(frame); });
@@ -118,7 +119,7 @@ void MapperService::on_frame(const messages::CompressedFrame& frame) {
     if (sequence < session_->next_sequence) return acknowledge_finished();
     if (sequence >= session_->next_sequence + kMaxAhead) return;  // the source sends it again
   }
-  session_->frames[sequence].images = frame;
+  session_->parts_of(sequence).images = frame;
   context_.options().lockstep ? work_off_in_order() : finish_if_complete(sequence);
 }
 
@@ -128,7 +129,7 @@ void MapperService::on_features(const features::FrameFeatures& features) {
   if (context_.options().lockstep &&
       (sequence < session_->next_sequence || sequence >= session_->next_sequence + kMaxAhead))
     return;
-  session_->frames[sequence].features = planes_only(features);
+  session_->parts_of(sequence).features = planes_only(features);
   context_.options().lockstep ? work_off_in_order() : finish_if_complete(sequence);
 }
 
@@ -196,8 +197,7 @@ void MapperService::request(const char* channel, const std::vector<std::int64_t>
 
 void MapperService::acknowledge_finished() {
   session_->acknowledged = session_->next_sequence;
-  const messages::Acknowledge done{*session_->id, session_->next_sequence - 1,
-                                   with_share(context_.options().name, options_.tsdf)};
+  const messages::Acknowledge done{*session_->id, session_->next_sequence - 1, context_.options().name};
   note(messages::channels::kAcknowledge, done);
   context_.publish(messages::channels::kAcknowledge, done);
 }

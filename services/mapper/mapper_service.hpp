@@ -26,8 +26,8 @@ namespace eg::services {
 ///
 /// With an output folder, everything that goes into the map is also written into the journal there, and a mapper that
 /// was killed goes on from it (`resume`); and what the map has no memory for (`memory_mb`) waits there. Mappers that
-/// share the space (TsdfOptions::shares) acknowledge as "mapper.0", "mapper.1" and so on, and write mesh.0.ply,
-/// mesh.1.ply and so on.
+/// share the space (TsdfOptions::shares) report and acknowledge as "mapper.0", "mapper.1" and so on, and write
+/// mesh.0.ply, mesh.1.ply and so on.
 ///
 /// One session at a time. What comes of another one begins a new map when the one before has ended, or nothing was
 /// heard of it for some seconds; its results are then saved to session-<id>/ within the output folder.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/service_name.hpp"
 
 namespace eg::run {
 namespace {
@@ -22,6 +23,7 @@ RunMonitor::RunMonitor(service::ServiceContext& context, Options options, Clock:
   }
   using namespace messages;
   context.subscribe<Acknowledge>(channels::kAcknowledge, service::kSmallQueue, [this](const Acknowledge& acknowledge) {
+    hear_of(acknowledge.consumer);
     const auto known = acknowledged_.find(acknowledge.consumer);
     if (known == acknowledged_.end() || acknowledge.sequence <= known->second) return;
     known->second = acknowledge.sequence;
@@ -40,9 +42,28 @@ RunMonitor::RunMonitor(service::ServiceContext& context, Options options, Clock:
     end_ = end;
   });
   context.subscribe<ServiceStatus>(channels::kStatus, service::kSmallQueue, [this](const ServiceStatus& status) {
+    hear_of(status.service);
     statuses_[status.service] = status;
     last_heard_[status.service] = now_;
   });
+}
+
+void RunMonitor::hear_of(const std::string& name) {
+  for (const std::string& consumer : options_.consumers) {
+    if (name == consumer || !messages::is_of_service(name, consumer)) continue;
+    acknowledged_.erase(consumer);
+    last_heard_.erase(consumer);
+    acknowledged_.try_emplace(name, -1);
+    last_heard_.try_emplace(name, now_);
+  }
+}
+
+std::set<std::string> RunMonitor::names_of(const std::string& service) const {
+  std::set<std::string> names;
+  for (const auto& [name, time] : last_heard_) {
+    if (messages::is_of_service(name, service)) names.insert(name);
+  }
+  return names.empty() ? std::set{service} : names;
 }
 
 void RunMonitor::update(Clock::time_point now) { now_ = now; }

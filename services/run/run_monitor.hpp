@@ -19,7 +19,7 @@ class RunMonitor {
  public:
   struct Options {
     bool lockstep = true;
-    std::vector<std::string> consumers;  ///< services that acknowledge frames
+    std::vector<std::string> consumers;  ///< services that acknowledge frames; several may share the work of one
     std::chrono::milliseconds idle_end{
         2000};  ///< real time: without a pose for so long after the end of the stream, it is over
     std::chrono::milliseconds lost_end{15000};  ///< lockstep: the same when acknowledgements have been lost
@@ -41,10 +41,15 @@ class RunMonitor {
   /// One sentence that names the service that keeps the others waiting, if the run stands still.
   [[nodiscard]] std::optional<std::string> stalled() const;
 
+  /// The names under which `service` reports: mapper.0 and mapper.1 if these two share its work, else its own.
+  [[nodiscard]] std::set<std::string> names_of(const std::string& service) const;
+
   /// The latest of each service, by name.
   [[nodiscard]] const std::map<std::string, messages::ServiceStatus>& statuses() const { return statuses_; }
 
  private:
+  /// Something has come of the service `name`. One that shares the work of a consumer is awaited instead of it.
+  void hear_of(const std::string& name);
   [[nodiscard]] std::string slowest_consumer() const;
   [[nodiscard]] std::string longest_silent_service() const;
 

@@ -1,6 +1,9 @@
 #include "services/run/session.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "common/messages/service_name.hpp"
 
 namespace eg::run {
 namespace {
@@ -86,7 +89,7 @@ void Session::process_frames() {
 void Session::save() {
   if (!sheriff_.running()) return;
   const Clock::time_point end = Clock::now() + kSaveLimit;
-  save_request_.start(savers_, Clock::now());
+  save_request_.start(savers(), Clock::now());
   while (!save_request_.done() && !interrupted() && sheriff_.running() && Clock::now() < end) {
     step();
     save_request_.update(Clock::now());
@@ -149,7 +152,7 @@ void Session::handle_line(const std::string& line) {
   const bool ended = what.starts_with(" ended with ") || what.starts_with(" could not be started");
   if (comes_back && ended && !has_given_up(name, what)) return;
   if (ended) {
-    savers_.erase(name);
+    ended_.insert(name);
     save_request_.give_up_on(name);
   }
   // While frames are being processed no service may end for good, not even without an error.
@@ -172,8 +175,17 @@ void Session::show_page_address(std::string_view line) {
   progress_.print("Watch it: open " + view_url_ + " in a browser");
 }
 
+std::set<std::string> Session::savers() const {
+  std::set<std::string> names;
+  for (const std::string& service : savers_) names.merge(monitor_.names_of(service));
+  for (const std::string& name : ended_) names.erase(name);
+  return names;
+}
+
 bool Session::has_given_up(const std::string& name, std::string_view how) {
-  const bool is_needed = savers_.contains(name) || name == "feature_extractor";
+  const bool is_needed =
+      name == "feature_extractor" ||
+      std::any_of(savers_.begin(), savers_.end(), [&](const auto& of) { return messages::is_of_service(name, of); });
   if (!is_needed) return false;
   if (monitor_.frames_done() > done_at_last_death_) deaths_.clear();
   done_at_last_death_ = monitor_.frames_done();

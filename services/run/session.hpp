@@ -51,6 +51,8 @@ class Session {
   void show_page_address(std::string_view line);
   /// Keeps what a service complains of, to be told if it ends.
   void note_error(const std::string& line);
+  /// The processes that have results and are alive.
+  [[nodiscard]] std::set<std::string> savers() const;
   /// A service has died; procman would start it again. Whether that is of no use.
   bool has_given_up(const std::string& name, std::string_view how);
   void fail(const std::string& why);
@@ -63,7 +65,8 @@ class Session {
   RunMonitor monitor_;
   SaveRequest save_request_;
   Progress progress_;
-  std::set<std::string> savers_;  ///< services that have results and are alive
+  std::set<std::string> savers_;  ///< services that have results
+  std::set<std::string> ended_;   ///< processes that will not come back
   bool keep_view_;
   std::string view_url_;  ///< where the viewer says it is
   bool frames_running_ = true;

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/service/map_archive.hpp"
 #include "common/tracking/saved_map.hpp"
@@ -26,10 +27,13 @@ class Reader {
   base::Status add(const io::JournalRecord& record) {
     switch (static_cast<RecordKind>(record.kind)) {
       case RecordKind::features:
-        return read<features::FrameFeatures>(record, [this](auto value) { saved_.keyframes.push_back({value, {}}); });
+        return read<features::FrameFeatures>(record, [this](auto value) {
+          saved_.keyframes.push_back({std::move(value), {}});
+        });
       case RecordKind::links:
         if (saved_.keyframes.size() != ++links_) return base::fail("belongs to no keyframe");
-        return read<tracking::KeyframeLinks>(record, [this](auto value) { saved_.keyframes.back().links = value; });
+        return read<tracking::KeyframeLinks>(record,
+                                             [this](auto value) { saved_.keyframes.back().links = std::move(value); });
       case RecordKind::graph:
         return read<egraph::GraphSnapshot>(record, [this](auto value) { graph_ = std::move(value); });
       case RecordKind::landmarks:

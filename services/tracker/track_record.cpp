@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "common/io/atomic_file.hpp"
 #include "common/io/number_format.hpp"
@@ -39,14 +40,6 @@ std::string join(const std::vector<std::string>& fields) {
 
 std::string id_field(tracking::KeyframeId id) { return id.valid() ? std::to_string(id.value) : std::string(); }
 
-std::string state_row(const tracking::PoseEstimate& estimate) {
-  return join({std::to_string(estimate.header.sequence), io::format_fixed(seconds(estimate.header.utime), 6),
-               tracking::to_string(estimate.state), in_quotes(estimate.reason), id_field(estimate.keyframe),
-               id_field(estimate.rotation_reference), std::to_string(estimate.matched_points),
-               std::to_string(estimate.matched_lines), std::to_string(estimate.matched_planes),
-               std::to_string(estimate.matched_directions)});
-}
-
 std::string skipped_row(std::int64_t utime) {
   return join({"", io::format_fixed(seconds(utime), 6), "skipped", in_quotes("image could not be read"), "", "", "0",
                "0", "0", "0"});
@@ -79,24 +72,56 @@ io::PlyData sparse_map(const tracking::Map& map) {
   return ply;
 }
 
+/// After a clock was set back times come again: of two poses with the same time the newer is kept.
+std::vector<geometry::StampedPose> in_order_of_time(std::vector<geometry::StampedPose> poses) {
+  std::reverse(poses.begin(), poses.end());
+  std::stable_sort(poses.begin(), poses.end(), [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
+  const auto same = [](const auto& a, const auto& b) { return a.time_s == b.time_s; };
+  poses.erase(std::unique(poses.begin(), poses.end(), same), poses.end());
+  return poses;
+}
+
 std::vector<geometry::StampedPose> keyframe_poses(std::span<const tracking::MapKeyframe> keyframes) {
   std::vector<geometry::StampedPose> poses;
   for (const tracking::MapKeyframe& keyframe : keyframes) {
     poses.push_back({seconds(keyframe.features.header.utime), keyframe.world_from_camera});
   }
-  return poses;
+  return in_order_of_time(std::move(poses));
 }
 
 }  // namespace
 
 void TrackRecord::add(const tracking::PoseEstimate& estimate, const tracking::Map& map) {
-  Row row{estimate, {}, {}};
+  Row row;
+  row.sequence = estimate.header.sequence;
+  row.utime = estimate.header.utime;
+  row.state = estimate.state;
+  row.reason = number_of(estimate.reason);
+  row.keyframe = estimate.keyframe;
+  row.rotation_reference = estimate.rotation_reference;
+  row.points = estimate.matched_points;
+  row.lines = estimate.matched_lines;
+  row.planes = estimate.matched_planes;
+  row.directions = estimate.matched_directions;
   if (estimate.has_pose) {
     const tracking::MapKeyframe& reference = map.keyframes().back();
     row.reference = reference.id;
     row.reference_from_camera = reference.world_from_camera.inverse() * estimate.world_from_camera;
   }
-  rows_.push_back(std::move(row));
+  rows_.push_back(row);
+}
+
+std::uint32_t TrackRecord::number_of(const std::string& reason) {
+  const auto [known, is_new] = reason_numbers_.try_emplace(reason, static_cast<std::uint32_t>(reasons_.size()));
+  if (is_new) reasons_.push_back(reason);
+  return known->second;
+}
+
+std::string TrackRecord::state_row(const Row& row) const {
+  return join({std::to_string(row.sequence), io::format_fixed(seconds(row.utime), 6), tracking::to_string(row.state),
+               in_quotes(reasons_[row.reason]), id_field(row.keyframe), id_field(row.rotation_reference),
+               std::to_string(row.points), std::to_string(row.lines), std::to_string(row.planes),
+               std::to_string(row.directions)});
 }
 
 base::Status TrackRecord::save(const std::filesystem::path& folder, const tracking::Map& map) const {
@@ -114,11 +139,11 @@ base::Status TrackRecord::save(const std::filesystem::path& folder, const tracki
 base::Status TrackRecord::save_trajectory(const std::filesystem::path& path, const tracking::Map& map) const {
   std::vector<geometry::StampedPose> trajectory;
   for (const Row& row : rows_) {
-    if (!row.estimate.has_pose) continue;
+    if (!row.reference.valid()) continue;
     const geometry::Pose& reference = map.keyframe(row.reference).world_from_camera;
-    trajectory.push_back({seconds(row.estimate.header.utime), reference * row.reference_from_camera});
+    trajectory.push_back({seconds(row.utime), reference * row.reference_from_camera});
   }
-  return io::write_trajectory(path, trajectory);
+  return io::write_trajectory(path, in_order_of_time(std::move(trajectory)));
 }
 
 base::Status TrackRecord::save_states(const std::filesystem::path& path) const {
@@ -126,13 +151,12 @@ base::Status TrackRecord::save_states(const std::filesystem::path& path) const {
   std::int64_t expected = 0;
   std::int64_t last_utime = 0;
   for (const Row& row : rows_) {
-    const image::FrameHeader& header = row.estimate.header;
-    for (expected = std::max(expected, header.sequence - kMaxGap); expected < header.sequence; ++expected) {
+    for (expected = std::max(expected, row.sequence - kMaxGap); expected < row.sequence; ++expected) {
       rows.emplace_back(last_utime, dropped_row(expected));
     }
-    rows.emplace_back(header.utime, state_row(row.estimate));
-    expected = header.sequence + 1;
-    last_utime = header.utime;
+    rows.emplace_back(row.utime, state_row(row));
+    expected = row.sequence + 1;
+    last_utime = row.utime;
   }
   for (expected = std::max(expected, frame_count_ - kMaxGap); expected < frame_count_; ++expected) {
     rows.emplace_back(last_utime, dropped_row(expected));

@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <string>
 
 #include "common/egraph/snapshot_parts.hpp"
 #include "common/tracking/tracker.hpp"
@@ -11,6 +12,12 @@
 #include "services/tracker/track_record.hpp"
 
 namespace eg::services {
+
+/// A frame in the order of sequence numbers.
+struct WaitingFrame {
+  features::FrameFeatures features;  ///< of one that was refused the header alone
+  std::string refusal;               ///< why it was refused; empty: it was not
+};
 
 /// All that the tracker knows of one session.
 struct TrackedSession {
@@ -21,7 +28,8 @@ struct TrackedSession {
   egraph::SnapshotAssembler snapshot;
   TrackRecord record;
   std::int64_t next_sequence = 0;
-  std::map<std::int64_t, features::FrameFeatures> waiting;          ///< by sequence
+  std::optional<std::int64_t> leap;  ///< real time: a number too far ahead to be believed by itself
+  std::map<std::int64_t, WaitingFrame> waiting;                     ///< by sequence
   std::map<std::int64_t, tracking::PoseEstimate> answered;          ///< recent ones, for frames that come again
   std::deque<egraph::Keyframe> unconfirmed;                         ///< announced, no update yet
   std::optional<tracking::PoseEstimate> held_answer;                ///< to a keyframe: the graph's update comes first

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/service/message_journal.hpp"
 #include "common/service/service.hpp"
@@ -25,9 +26,11 @@ inline constexpr std::uint64_t kMostJournalBytes = 16'000'000'000;
 /// those who ask (RESEND); to let them see what they miss, every POSE carries the version of the newest correction, and
 /// the newest correction is repeated once a second, in real time the newest KEYFRAME, too.
 ///
-/// With a journal, a tracker that was killed comes back as it was: tracking is deterministic, so that the frames and
-/// the updates of the graph are all that its state follows from. Each is on the disk before anybody hears of its
-/// result.
+/// A frame whose message is refused is answered, too: its POSE has no pose and says why.
+///
+/// With a journal, a tracker that was killed comes back as it was: tracking is deterministic, so that the frames, the
+/// answers to those that were refused and the updates of the graph are all that its state follows from. Each is on the
+/// disk before anybody hears of its result.
 ///
 /// One session at a time. Frames of another one begin a new map when the one before has ended, or nothing was heard of
 /// it for some seconds; its results are then saved to session-<id>/ within the output folder.
@@ -50,7 +53,12 @@ class TrackerService : public service::Service {
   base::Status save() override;
 
  private:
-  void on_features(const features::FrameFeatures& frame);
+  /// `refusal`: why it is refused, then it has a header only; empty: it is not.
+  void on_features(const features::FrameFeatures& frame, const std::string& refusal);
+  void on_refused_features(messages::ByteView bytes, const std::string& why);
+  /// Whether a frame's number is one that no source would give: it must not shut out all that come after it. In real
+  /// time a second frame behind it makes it believed.
+  bool is_absurd(std::int64_t sequence);
   /// Makes it the session being tracked, unless another one goes on. Whether it is.
   bool enter_session(std::int64_t id);
   void leave_session();
@@ -61,23 +69,25 @@ class TrackerService : public service::Service {
   void on_end_of_stream(const messages::EndOfStream& end);
 
   void track_waiting_frames();
-  void track(const features::FrameFeatures& frame);
+  void track(const WaitingFrame& frame);
   /// What is to be said after a frame or an update of the graph.
   struct Answer {
     std::optional<tracking::PoseEstimate> estimate;
     std::optional<egraph::Keyframe> keyframe;
     std::vector<tracking::PoseCorrection> corrections;
   };
-  Answer compute(const features::FrameFeatures& frame);
-  /// An update of the graph or a whole one: moves the map after it, and releases the answer that waited for it.
-  template <typename News>
-  base::Result<Answer> apply(const News& of_graph);
+  /// Takes a frame's result into the session.
+  Answer conclude(tracking::TrackResult result);
+  /// The graph is newer, and the map has followed it: `moved` keyframes are announced, and the answer that waited for
+  /// it is released.
+  Answer follow_graph(std::vector<tracking::PoseCorrection::Entry> moved);
   tracking::PoseEstimate remember(tracking::PoseEstimate estimate);
-  template <typename News>
-  base::Status replay_news(messages::ByteView bytes);
   base::Status replay(const transport::LogEvent& event);
   template <typename T>
-  void note(const char* channel, const T& value);
+  void note(const char* channel, const T& value) {
+    if (journal_) check_journal(journal_->add(channel, value));
+  }
+  void check_journal(const base::Status& written);
   /// Goes on without, and leaves none that would end before the state that others have heard of.
   void stop_journal(const std::string& why);
   void say(const Answer& news);
@@ -86,6 +96,8 @@ class TrackerService : public service::Service {
   void announce(const std::vector<tracking::PoseCorrection>& corrections);
   void repeat_newest();
   [[nodiscard]] bool waits_for_graph() const;
+
+  static constexpr char kJournal[] = "tracker.journal";
 
   service::ServiceContext& context_;
   tracking::TrackerOptions options_;

@@ -15,7 +15,6 @@ class HealthView {
  public:
   /// A status came in. Returns true if the service is another process than the one heard before under its name.
   bool add(const messages::ServiceStatus& status, std::int64_t now_utime);
-  void clear() { services_.clear(); }
 
   /// The packet "health": for how long no frame has come (`silence`, microseconds), and one row per service, rates and
   /// CPU over the last seconds. A service that has said nothing for three seconds, and not that it ends, is silent.

@@ -15,7 +15,7 @@ namespace {
 /// More than a tracker keeps waiting; 64 frames are 7 MB.
 constexpr std::size_t kMaxRecent = 64;
 constexpr int kDepthJpegQuality = 70;
-constexpr int kDepthWidth = 320;   ///< pixels
+constexpr int kDepthSide = 320;    ///< pixels; of the longer side
 constexpr double kFarthest = 5.0;  ///< metres; what structured light measures well lies nearer
 
 // Places in the colour map, whose ends are too dark to tell apart.
@@ -38,9 +38,10 @@ auto* find_newest(const Queue& queue, const image::FrameHeader& header) {
 
 /// Near is red, far is blue, no reading is black.
 std::vector<std::uint8_t> draw_depth(const cv::Mat& depth, double units_per_metre) {
+  const int longer = std::max(depth.cols, depth.rows);
+  const auto shrunk = [&](int side) { return std::max(1, side * kDepthSide / longer); };
   cv::Mat small;
-  const int height = std::max(1, depth.rows * kDepthWidth / depth.cols);
-  cv::resize(depth, small, {kDepthWidth, height}, 0, 0, cv::INTER_NEAREST);
+  cv::resize(depth, small, {shrunk(depth.cols), shrunk(depth.rows)}, 0, 0, cv::INTER_NEAREST);
   cv::Mat nearness;
   small.convertTo(nearness, CV_8U, (kFarColour - kNearColour) / (kFarthest * units_per_metre), kNearColour);
   cv::Mat coloured;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/service_name.hpp"
 #include "services/viewer/arrays.hpp"
 #include "services/viewer/keyframe_contents.hpp"
 #include "services/viewer/packet.hpp"
@@ -173,7 +174,7 @@ void ViewerService::put_live() {
 
 void ViewerService::on_status(const messages::ServiceStatus& status) {
   const bool restarted = health_.add(status, now_);
-  if (restarted && status.service == "mapper") mesh_.forget_revisions();
+  if (restarted && messages::is_of_service(status.service, "mapper")) mesh_.forget_revisions();
   if (restarted && status.service == "egraph_server") graph_incomplete_ = true;
 }
 

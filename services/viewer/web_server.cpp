@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/transport/web_address.hpp"
+#include "services/viewer/listener.hpp"
 #include "services/viewer/request_rules.hpp"
 
 namespace eg::services {
@@ -215,28 +215,13 @@ class WebServer::Implementation {
   Implementation& operator=(const Implementation&) = delete;
 
   base::Status listen() {
-    const auto address = transport::parse_web_address(shared_.options.address);
-    if (!address) return tl::make_unexpected(address.error());
-    error_code failure;
-    const auto host = asio::ip::make_address(address->host, failure);
-    if (failure) return base::fail("'" + address->host + "' is not a numeric address like 127.0.0.1");
-    shared_.loopback = host.is_loopback();
-    const tcp::endpoint endpoint(host, address->port);
-    acceptor_.open(endpoint.protocol(), failure);
-    if (!failure) acceptor_.set_option(asio::socket_base::reuse_address(true), failure);
-    if (!failure) acceptor_.bind(endpoint, failure);
-    if (!failure) acceptor_.listen(asio::socket_base::max_listen_connections, failure);
-    if (failure) {
-      return base::fail("cannot listen on " + shared_.options.address + ": " + failure.message() +
-                        "; choose another with --http");
-    }
-    const std::string name = address->host.find(':') == std::string::npos ? address->host : '[' + address->host + ']';
-    url_ = "http://" + name + ':' + std::to_string(acceptor_.local_endpoint().port());
+    if (auto opened = listener_.open(shared_.options.address); !opened) return opened;
+    shared_.loopback = listener_.is_loopback();
     return {};
   }
 
   void run() {
-    accept();
+    listener_.accept([this](tcp::socket socket) { take(std::move(socket)); });
     thread_ = std::thread([this] {
       for (;;) {
         try {
@@ -258,27 +243,24 @@ class WebServer::Implementation {
     });
   }
 
-  [[nodiscard]] Counts counts() const { return {shared_.connections, shared_.browsers, shared_.refused}; }
-  [[nodiscard]] const std::string& url() const { return url_; }
+  [[nodiscard]] Counts counts() const {
+    return {shared_.connections, shared_.browsers, shared_.refused, listener_.postponed()};
+  }
+  [[nodiscard]] const std::string& url() const { return listener_.url(); }
 
  private:
-  void accept() {
-    acceptor_.async_accept([this](error_code failure, tcp::socket socket) {
-      if (failure == asio::error::operation_aborted) return;
-      if (!failure && shared_.connections < shared_.options.max_connections) {
-        std::make_shared<Connection>(shared_, std::move(socket))->read();
-      } else {
-        ++shared_.refused;  // too many; the socket closes
-      }
-      accept();
-    });
+  void take(tcp::socket socket) {
+    if (shared_.connections < shared_.options.max_connections) {
+      std::make_shared<Connection>(shared_, std::move(socket))->read();
+    } else {
+      ++shared_.refused;  // too many; the socket closes
+    }
   }
 
   Shared shared_;  // outlives the connections, which the context holds
   asio::io_context context_{1};
-  tcp::acceptor acceptor_{context_};
+  Listener listener_{context_};
   std::atomic<bool> notified_ = false;
-  std::string url_;
   std::thread thread_;
 };
 

@@ -25,7 +25,8 @@ struct WebOptions {
 /// A browser is sent one packet at a time, the next one when it has taken the last, so a slow one costs one packet of
 /// memory. One that does not answer for `patience` is disconnected. Requests have a bounded size. Pages of other
 /// origins cannot open the stream, and on a loopback address only requests that name this machine are answered, so that
-/// no website that the user visits can look at the scene.
+/// no website that the user visits can look at the scene. A process without a file descriptor to spare lets browsers
+/// wait until it has one.
 class WebServer {
  public:
   /// What it has seen so far.
@@ -33,6 +34,7 @@ class WebServer {
     int connections = 0;  ///< open now
     int browsers = 0;     ///< of them with a stream
     std::uint64_t refused = 0;
+    std::uint64_t postponed = 0;  ///< attempts to take a connection while there was no file descriptor for it
   };
 
   /// Binds and starts. `board` and `images` must outlive the server. An error says what is wrong with the address.

@@ -29,5 +29,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!again || !*again || (*again)->bytes != (*event)->bytes) std::abort();
   }
   if (accounted != size) std::abort();
+  for (const auto& [name, channel] : statistics.channels()) {
+    if (!(channel.seconds() >= 0.0 && channel.rate() >= 0.0) || channel.missing() < 0) std::abort();
+  }
   return 0;
 }

@@ -101,6 +101,29 @@ TEST_F(LiveLayersTest, ShowTilesOnceAllPartsOfANewerRevisionAreThere) {
   EXPECT_EQ(changes().at("mesh0 0 0").triangles.size(), 1u) << "a mapper that was started again";
 }
 
+TEST_F(LiveLayersTest, KnowSeveralMappersApart) {
+  const auto report = [this](const char* name, std::int32_t pid) {
+    messages::ServiceStatus status;
+    status.service = name;
+    status.pid = pid;
+    rest_.send(channels::kStatus, status);
+    changes();
+  };
+  send_pose(0, {0, 0, 0}, 0);
+  report("mapper.0", 7);
+  report("mapper.1", 8);
+  send_tile(0, 3);
+  changes();
+  report("mapper.0", 7);
+  report("mapper.1", 8);
+  report("mappers", 9);
+  send_tile(0, 2);
+  EXPECT_TRUE(changes().empty()) << "none of them was started again";
+  report("mapper.1", 10);
+  send_tile(0, 0);
+  EXPECT_EQ(changes().at("mesh0 0 0").triangles.size(), 1u);
+}
+
 TEST_F(LiveLayersTest, AskForTheMeshUntilSomeOfItComes) {
   const auto requests = rest_.collect<messages::MeshRequest>(channels::kMeshRequest);
   layers_.idle(kSecond);

@@ -127,6 +127,14 @@ TEST_F(LiveViewTest, NamesSilentAndRivalServices) {
   EXPECT_THAT(findings, finding(Severity::warning, "2 processes call themselves tracker"));
 }
 
+TEST_F(LiveViewTest, MappersThatShareTheSpaceAreNoRivals) {
+  send_status("mapper.0", kSecond, 0, 1);
+  send_status("mapper.1", kSecond, 0, 2);
+  EXPECT_THAT(view_.judge(kSecond), IsEmpty());
+  send_status("mapper.1", kSecond, 0, 3);
+  EXPECT_THAT(view_.judge(kSecond), finding(Severity::warning, "2 processes call themselves mapper.1"));
+}
+
 TEST_F(LiveViewTest, NamesMessagesOfOtherVersions) {
   system_.send_bytes(channels::kPose, messages::Bytes(100, 7));
   messages::Bytes cut = messages::encode(tracking::PoseEstimate{});
@@ -151,6 +159,17 @@ TEST(Probe, SaysThatNothingComesBack) {
   const Finding found = probe(bus);
   EXPECT_EQ(found.severity, Severity::error);
   EXPECT_THAT(found.what, HasSubstr("0 of 10"));
+}
+
+TEST(Probe, DoesNotMindWhatAnotherDoctorSends) {
+  transport::MemoryNetwork::Disturbance each_twice;
+  each_twice.duplication = 1.0;
+  transport::MemoryBus bus(std::make_shared<transport::MemoryNetwork>(each_twice));
+  const Finding found = probe(bus);
+  EXPECT_EQ(found.severity, Severity::good);
+  EXPECT_THAT(found.what, HasSubstr("10 of 10"));
+  ASSERT_TRUE(bus.publish("DOCTOR_PROBE", std::vector<std::uint8_t>(1)));
+  EXPECT_EQ(bus.handle(std::chrono::milliseconds(0)).value(), 2);  // the probe is over: nothing of it may be in use
 }
 
 TEST(MachineChecks, SayWhatToDoAboutTheUrl) {

@@ -108,6 +108,22 @@ TEST_F(RestartedServer, SavesGraphsThatItHasNotHeardOfSince) {
   EXPECT_EQ(io::read_file(file("egraph.json")).value(), before);
 }
 
+TEST_F(RestartedServer, SavesMoreSessionsThanItServesAtOnce) {
+  constexpr int kSessions = 66;
+  for (int session = 1; session <= kSessions; ++session) {
+    if (session % 40 == 0) restart();
+    send(keyframe(session, 0));
+  }
+  EXPECT_EQ(status().rejected, 0) << status().last_rejection;
+  const base::Status saved = service_->save();
+  ASSERT_TRUE(saved) << saved.error().message;
+  for (int session = 1; session <= kSessions; ++session) {
+    EXPECT_TRUE(written(("egraph-" + std::to_string(session) + ".json").c_str())) << session;
+  }
+  send(keyframe(1, 1));
+  EXPECT_EQ(status().rejected, 0) << "saving took the place of a session: " << status().last_rejection;
+}
+
 TEST_F(RestartedServer, AWriteThatWasCutShortCostsOneKeyframe) {
   for (int id = 0; id < 3; ++id) send(keyframe(1, id));
   change_file([](std::string& bytes) { bytes.resize(bytes.size() - 5); });

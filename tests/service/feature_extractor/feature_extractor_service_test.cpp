@@ -96,6 +96,20 @@ TEST_F(FeatureExtractorServiceTest, RejectsBytesThatAreNoFrame) {
   EXPECT_EQ(context_.status().status(0).rejected, 1);
 }
 
+TEST_F(FeatureExtractorServiceTest, AnImageThatCannotBeDecodedIsAFrameWithoutFeatures) {
+  messages::CompressedFrame frame = messages::compress(synthetic_frame(3));
+  frame.depth.resize(frame.depth.size() / 2);
+  send(messages::encode(frame));
+  EXPECT_EQ(context_.status().status(0).rejected, 1);
+
+  ASSERT_EQ(answers_.size(), 1U);
+  const auto features = messages::decode<features::FrameFeatures>(answers_[0]);
+  ASSERT_TRUE(features) << features.error().message;
+  EXPECT_EQ(features->header.sequence, frame.header.sequence);
+  EXPECT_EQ(features->header.utime, frame.header.utime);
+  EXPECT_TRUE(features->points.empty() && features->lines.empty() && features->planes.empty());
+}
+
 TEST(FeatureExtractorConfigTest, ReadsEverySectionAndRefusesUnknownKeys) {
   features::FeatureExtractorOptions options;
   io::ConfigSchema schema;

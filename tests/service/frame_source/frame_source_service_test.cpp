@@ -198,12 +198,12 @@ TEST_F(FrameSource, RealtimeStartsWhenAllConsumersAreThereAndKeepsTheRecordingsP
   EXPECT_EQ(ends_[0].frame_count, 5);
 }
 
-TEST(RealtimePacer, KnowsMappersThatShareTheSpaceByTheNameTheyReportUnder) {
+TEST(RealtimePacer, WaitsForEachOfTheMappersThatShareTheSpace) {
   services::RealtimePacer pacer({"tracker", "mapper.0", "mapper.1"});
   pacer.heard_of("tracker");
-  pacer.heard_of("map");
+  pacer.heard_of("mapper.0");
   EXPECT_FALSE(pacer.until(0, 0).has_value());
-  pacer.heard_of("mapper");
+  pacer.heard_of("mapper.1");
   EXPECT_EQ(pacer.until(0, 0), 0);
 }
 

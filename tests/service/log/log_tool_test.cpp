@@ -95,6 +95,17 @@ TEST_F(LogTool, ListsChannelsWhoseNamesAreNoText) {
   EXPECT_TRUE(nlohmann::json::parse(format_json(*summary))["channels"].contains("A\x1b[2J\uFFFD"));
 }
 
+TEST_F(LogTool, CountsTheSecondsBetweenTimesThatNoClockSays) {
+  for (const std::int64_t utime : {INT64_MIN, INT64_MAX}) write("STATUS", messages::ServiceStatus{}, utime);
+  ASSERT_TRUE(writer_.flush());
+  const auto summary = summarise(log_);
+  ASSERT_TRUE(summary) << summary.error().message;
+  const auto& status = summary->streams.channels().at("STATUS");
+  EXPECT_DOUBLE_EQ(status.seconds(), 18'446'744'073'709.551616);
+  EXPECT_GT(status.rate(), 0.0);
+  EXPECT_THAT(format_table(*summary), HasSubstr("2 messages in 18446744073709.6 s"));
+}
+
 TEST_F(LogTool, SaysWhereALogIsDamaged) {
   write_session("", 1);
   std::filesystem::resize_file(log_, std::filesystem::file_size(log_) - 5);

@@ -96,6 +96,7 @@ TEST(MapperShareTest, WritesItsShareUnderItsNumber) {
   Harness mapper(true, options);
   send(mapper, 0, 1);
   EXPECT_EQ(mapper.acknowledged.back().consumer, "mapper.1");
+  EXPECT_EQ(mapper.status().service, "mapper.1");
   EXPECT_TRUE(mapper.save());
   EXPECT_TRUE(std::filesystem::exists(mapper.out() / "mesh.1.ply"));
   EXPECT_TRUE(std::filesystem::exists(mapper.out() / "mesh.1.vdb"));

@@ -147,6 +147,20 @@ TEST(MapperServiceTest, InRealTimeAPoseMayComeBeforeItsImages) {
   EXPECT_EQ(mapper.status().frames, 2);
 }
 
+TEST(MapperServiceTest, InRealTimeFramesWithAbsurdNumbersTakeNoPlaceForLong) {
+  MapperOptions options = coarse();
+  options.plane_regularisation = false;
+  Harness mapper(false, options);
+  mapper.features_come = false;
+  constexpr int kMoreThanItKeeps = 40;
+  for (int i = 0; i < kMoreThanItKeeps; ++i) mapper.send_frame(0, 1'000'000'000 + i);
+  for (int i = 0; i < 3; ++i) {
+    mapper.send_frame(i);
+    mapper.send_pose(i, i);
+  }
+  EXPECT_EQ(mapper.status().frames, 3);
+}
+
 TEST(MapperServiceTest, ACorrectedMapIsTheMapOfTheCorrectedPoses) {
   Harness right(true, coarse());
   for (int i = 0; i < 3; ++i) {

@@ -70,6 +70,28 @@ TEST_F(RunTest, LockstepIsOverWhenAllConsumersAreDoneWithAllFrames) {
   EXPECT_TRUE(monitor.finished());
 }
 
+TEST_F(RunTest, WaitsForEachOfTheMappersThatShareTheSpace) {
+  RunMonitor monitor = make_monitor(true);
+  acknowledge("tracker", 2);
+  deliver(monitor);
+  EXPECT_THAT(monitor.names_of("mapper"), ElementsAre("mapper"));
+  EXPECT_THAT(monitor.names_of("egraph_server"), ElementsAre("egraph_server"));
+  acknowledge("mapper.0", 2);
+  send_status("mapper.1");
+  send_status("mappers");
+  end_stream(3);
+  deliver(monitor);
+  EXPECT_THAT(monitor.names_of("mapper"), ElementsAre("mapper.0", "mapper.1"));
+  EXPECT_EQ(monitor.frames_done(), 0);
+  acknowledge("mapper.1", 1);
+  deliver(monitor);
+  EXPECT_EQ(monitor.frames_done(), 2);
+  EXPECT_FALSE(monitor.finished());
+  acknowledge("mapper.1", 2);
+  deliver(monitor);
+  EXPECT_TRUE(monitor.finished());
+}
+
 TEST_F(RunTest, OldAndForeignAcknowledgementsDoNotCount) {
   RunMonitor monitor = make_monitor(true);
   acknowledge("tracker", 5);

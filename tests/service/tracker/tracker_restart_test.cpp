@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "tests/service/tracker/tracker_rig.hpp"
@@ -61,6 +62,31 @@ TEST_F(TrackerRestart, AKilledTrackerGoesOnAsIfNothingHadHappened) {
     EXPECT_EQ(rig->order(), std::vector<std::int64_t>{static_cast<std::int64_t>(i)}) << "answered, not tracked again";
   }
   expect_undisturbed(*rig);
+}
+
+TEST_F(TrackerRestart, WhatWasRefusedIsInTheJournalToo) {
+  const auto results = [](Rig& rig) {
+    EXPECT_TRUE(rig.save());
+    return test::file_bytes(rig.folder() / "states.csv") + test::file_bytes(rig.folder() / "trajectory.txt");
+  };
+  const auto send_with_a_mistake = [](Rig& rig, std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      FrameFeatures sent = frame(i);
+      if (i == 4) sent.planes[0].plane.distance = NAN;
+      rig.send(channels::kFeatures, sent);
+      rig.answer_keyframes();
+    }
+  };
+  Rig whole(true);
+  send_with_a_mistake(whole, 0, 12);
+  Rig killed(true, {}, folder_.path());
+  send_with_a_mistake(killed, 0, 8);
+  Rig resumed(true, {}, folder_.path());
+  take_over_server(resumed, killed);
+  send_with_a_mistake(resumed, 8, 12);
+  const std::string expected = results(whole);
+  EXPECT_EQ(results(resumed), expected);
+  EXPECT_NE(expected.find("refused: FEATURES: field 'planes[0]"), std::string::npos) << expected;
 }
 
 TEST_F(TrackerRestart, AKeyframeWithoutAnUpdateIsAnnouncedAgain) {

@@ -63,6 +63,50 @@ TEST(TrackerResults, ListsDroppedFramesInRealTime) {
   EXPECT_EQ(dropped, 4) << "1, 2 and the two after the last that came";
 }
 
+TEST(TrackRecord, GivesEveryFrameItsOwnReasonAndNumbers) {
+  const test::TemporaryFolder folder;
+  TrackRecord record;
+  tracking::PoseEstimate estimate;
+  const auto add = [&](std::int64_t sequence, tracking::TrackingState state, const char* reason) {
+    estimate.header = {1, sequence, 1'000'000 * (sequence + 1)};
+    estimate.state = state;
+    estimate.reason = reason;
+    record.add(estimate, {});
+  };
+  add(0, tracking::TrackingState::initialising, "nothing \"seen\"");
+  estimate.keyframe.value = 7;
+  estimate.rotation_reference.value = 2;
+  estimate.matched_points = 11;
+  estimate.matched_lines = 12;
+  estimate.matched_planes = 13;
+  estimate.matched_directions = 14;
+  add(1, tracking::TrackingState::lost, "searching");
+  add(2, tracking::TrackingState::initialising, "nothing \"seen\"");
+  ASSERT_TRUE(record.save(folder.path(), {}));
+  const auto rows = lines_of(folder.path() / "states.csv");
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[1], "0,1.000000,initialising,\"nothing \"\"seen\"\"\",,,0,0,0,0");
+  EXPECT_EQ(rows[2], "1,2.000000,lost,\"searching\",7,2,11,12,13,14");
+  EXPECT_EQ(rows[3], "2,3.000000,initialising,\"nothing \"\"seen\"\"\",7,2,11,12,13,14");
+  EXPECT_EQ(lines_of(folder.path() / "trajectory.txt").size(), 1U) << "a heading; no frame has a pose";
+}
+
+TEST(TrackerResults, AreInOrderOfTimeAlthoughAClockWasSetBack) {
+  Rig rig(true);
+  for (std::size_t i = 0; i < 40; ++i) {
+    FrameFeatures sent = frame(i);
+    if (i < 4) sent.header.utime += 2'000'000;
+    rig.send(channels::kFeatures, sent);
+    rig.answer_keyframes();
+  }
+  EXPECT_TRUE(rig.poses->back().has_pose) << "a second after the clock was set back";
+  ASSERT_TRUE(rig.save());
+  for (const char* name : {"trajectory.txt", "keyframes.txt"}) {
+    const auto read = io::read_trajectory(rig.folder() / name);
+    EXPECT_TRUE(read) << read.error().message;
+  }
+}
+
 TEST(TrackerResults, SavesEmptyFilesWhenNothingCame) {
   Rig rig(true);
   ASSERT_TRUE(rig.save().has_value());

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -47,6 +48,30 @@ TEST(TrackerService, InLockstepTheNextFrameWaitsForTheGraphUpdate) {
   EXPECT_TRUE(rig.poses->empty()) << "the keyframe itself is answered when the map has followed the graph";
   rig.answer_keyframes();
   EXPECT_EQ(rig.order(), numbers(3));
+}
+
+/// Whatever the clock: lockstep would wait for a frame without an answer for ever.
+TEST(TrackerService, AFrameThatIsRefusedIsAnsweredWithTheReason) {
+  for (const bool lockstep : {true, false}) {
+    Rig rig(lockstep);
+    for (std::size_t i = 0; i < 20; ++i) {
+      FrameFeatures sent = frame(i);
+      if (i == 0 || i == 10) sent.points[3].pixel.x() = std::nan("");
+      rig.send(channels::kFeatures, sent);
+      rig.answer_keyframes();
+    }
+    ASSERT_EQ(rig.order(), numbers(20));
+    for (const std::size_t i : {std::size_t{0}, std::size_t{10}}) {
+      const PoseEstimate& refused = (*rig.poses)[i];
+      EXPECT_EQ(refused.state, i == 0 ? TrackingState::initialising : TrackingState::tracking) << "as before";
+      EXPECT_FALSE(refused.has_pose);
+      EXPECT_EQ(refused.reason, "refused: FEATURES: field 'points[3].pixel' is not finite");
+      EXPECT_FALSE(refused.keyframe.valid());
+    }
+    for (std::size_t i = 11; i < 20; ++i) EXPECT_TRUE((*rig.poses)[i].has_pose) << i;
+    EXPECT_EQ(rig.acknowledged->size(), 20U);
+    EXPECT_EQ(rig.status().rejected, 2);
+  }
 }
 
 TEST(TrackerService, InRealTimeNothingWaits) {
@@ -283,6 +308,57 @@ TEST(TrackerService, AnotherSessionBeginsWhenNothingIsHeardOfTheOneBefore) {
   rig.send(channels::kFeatures, other);
   ASSERT_EQ(rig.poses->size(), 2U);
   EXPECT_EQ(rig.poses->back().header.session, 7);
+}
+
+TEST(TrackerService, InRealTimeOneAbsurdNumberShutsOutNoFrames) {
+  constexpr std::int64_t kFar = 1'000'000'000'000;
+  Rig rig(false);
+  rig.send_frame(0);
+  FrameFeatures absurd = frame(1);
+  absurd.header.sequence = kFar;
+  rig.send(channels::kFeatures, absurd);
+  EXPECT_NE(rig.status().last_rejection.find("'sequence' leaps from 0 to 1000000000000"), std::string::npos);
+  rig.send_frame(1);
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1}));
+  EXPECT_EQ(rig.status().dropped, 0);
+  // Two that agree are the source's.
+  for (std::size_t i = 2; i < 4; ++i) {
+    FrameFeatures later = frame(i);
+    later.header.sequence = kFar + static_cast<std::int64_t>(i);
+    rig.send(channels::kFeatures, later);
+  }
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1, kFar + 3}));
+}
+
+TEST(TrackerService, InLockstepAbsurdNumbersTakeNoPlace) {
+  Rig rig(true);
+  FrameFeatures absurd = frame(1);
+  for (int i = 0; i < 100; ++i) {
+    absurd.header.sequence = 1'000'000 + i;
+    rig.send(channels::kFeatures, absurd);
+  }
+  rig.send_frame(0);
+  rig.answer_keyframes();
+  rig.send_frame(1);
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1}));
+}
+
+TEST(TrackerService, FeaturesThatAreNoNumbersAreRefusedByName) {
+  Rig rig(false);
+  rig.send_frame(0);
+  FrameFeatures wrong = frame(1);
+  wrong.points.front().depth = std::nan("");
+  rig.send(channels::kFeatures, wrong);
+  wrong = frame(2);
+  wrong.directions.front().direction.x() = std::nan("");
+  rig.send(channels::kFeatures, wrong);
+  EXPECT_EQ(rig.status().rejected, 2);
+  EXPECT_NE(rig.status().last_rejection.find("FEATURES: field 'directions[0]"), std::string::npos)
+      << rig.status().last_rejection;
+  rig.send_frame(3);
+  EXPECT_EQ(rig.order(), (std::vector<std::int64_t>{0, 1, 2, 3}));
+  EXPECT_FALSE((*rig.poses)[1].has_pose || (*rig.poses)[2].has_pose);
+  EXPECT_EQ(rig.poses->back().state, tracking::TrackingState::tracking);
 }
 
 TEST(TrackerService, SurvivesNonsense) {

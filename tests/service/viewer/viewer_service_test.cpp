@@ -288,6 +288,32 @@ TEST_F(ViewerServiceTest, AMapperThatStartsAgainIsListenedTo) {
   EXPECT_EQ(look().at("tile/0/0/0").array<std::uint16_t>("indices").size(), 6u);
 }
 
+TEST_F(ViewerServiceTest, MappersThatShareTheSpaceAreKnownApart) {
+  messages::ServiceStatus status;
+  const auto report = [&](const char* name, std::int32_t pid) {
+    status.service = name;
+    status.pid = pid;
+    rest_.send(channels::kStatus, status);
+  };
+  for (int round = 0; round < 2; ++round) {
+    report("mapper.0", 10);
+    report("mapper.1", 11);
+    mapping::MeshChunk older = chunk(0, 7 - round);
+    for (int i = 0; i < round; ++i) older.mesh.triangles.push_back({2, 1, 0});
+    rest_.send(channels::kMeshChunk, older);
+    pass();
+  }
+  auto seen = look();
+  EXPECT_EQ(nlohmann::json::parse(seen.at("health").arrays.at("json")).size(), 2u);
+  EXPECT_EQ(seen.at("tile/0/0/0").array<std::uint16_t>("indices").size(), 3u) << "no mapper was started again";
+  mapping::MeshChunk other = chunk(0, 0);
+  other.mesh.triangles.push_back({2, 1, 0});
+  report("mapper.1", 12);
+  rest_.send(channels::kMeshChunk, other);
+  pass();
+  EXPECT_EQ(look().at("tile/0/0/0").array<std::uint16_t>("indices").size(), 6u);
+}
+
 TEST_F(ViewerServiceTest, BeginsAnewWhenTheRunDoes) {
   for (int id = 0; id < 10; ++id) send_keyframe(id, at(id));
   pass();

@@ -1,7 +1,12 @@
 #include "services/viewer/web_server.hpp"
 
+#include <arpa/inet.h>
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <thread>
@@ -143,6 +148,45 @@ TEST_F(WebServerTest, RefusesMoreConnectionsThanItTakesAndRecovers) {
   for (int i = 0; i < 100 && server_->counts().connections > 0; ++i) std::this_thread::sleep_for(50ms);
   EXPECT_EQ(server_->counts().connections, 0);
   EXPECT_TRUE(works());
+}
+
+/// This process may open no more files as long as it exists.
+class NoMoreFiles {
+ public:
+  NoMoreFiles() {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const int lowest_free = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    close(lowest_free);
+    rlimit none = before_;
+    none.rlim_cur = static_cast<rlim_t>(lowest_free);
+    setrlimit(RLIMIT_NOFILE, &none);
+  }
+  ~NoMoreFiles() { setrlimit(RLIMIT_NOFILE, &before_); }
+  NoMoreFiles(const NoMoreFiles&) = delete;
+  NoMoreFiles& operator=(const NoMoreFiles&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(WebServerTest, BrowsersWaitWhileThereIsNoFileDescriptor) {
+  const int browser = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port_);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    const NoMoreFiles none;
+    ASSERT_EQ(connect(browser, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+    for (int i = 0; i < 500 && server_->counts().postponed < 3; ++i) std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_TRUE(works());
+  const auto periods = static_cast<std::uint64_t>((std::chrono::steady_clock::now() - begin) / 100ms);
+  EXPECT_GE(server_->counts().postponed, 3u);
+  EXPECT_LE(server_->counts().postponed, periods + 1) << "it asks again and again without a pause";
+  EXPECT_EQ(server_->counts().refused, 0u);
+  close(browser);
 }
 
 // 5000 packets of 64 kB pass by while it sleeps; it costs one packet and what the kernel buffers, and is let go.

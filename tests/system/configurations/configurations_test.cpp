@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <set>
+#include <string>
 #include <thread>
 
 #include "common/codec/colour_codec.hpp"
@@ -62,7 +64,11 @@ class Configurations : public testing::Test {
     unsetenv("EGRAPH_LOCKSTEP");
     bus_ = transport::LcmBus::create({url(), ""}).value();
     count(messages::channels::kPose, poses_);
-    count(messages::channels::kAcknowledge, acknowledgements_);
+    const auto note = [this](const transport::ReceivedMessage& message) {
+      const auto done = messages::decode<messages::Acknowledge>(message.bytes);
+      if (done && done->sequence == kFrames - 1) finished_.insert(done->consumer);
+    };
+    EXPECT_TRUE(bus_->subscribe(messages::channels::kAcknowledge, note, 0));
   }
   void TearDown() override { EXPECT_TRUE(test::no_process_is_left()); }
 
@@ -111,13 +117,13 @@ class Configurations : public testing::Test {
   test::TemporaryFolder folder_;
   std::unique_ptr<transport::LcmBus> bus_;
   int poses_ = 0;
-  int acknowledgements_ = 0;
+  std::set<std::string> finished_;  ///< consumers that are done with the last frame
 };
 
 TEST_F(Configurations, ReplayComputesALogAnew) {
   setenv("EGRAPH_LOG", write_log().c_str(), 1);
   const auto sheriff = start("replay.pmd", "run");
-  ASSERT_TRUE(wait_for([&] { return acknowledgements_ >= 2 * kFrames; })) << sheriff->output();
+  ASSERT_TRUE(wait_for([&] { return finished_.size() == 2; })) << sheriff->output();
   stop(*sheriff);
   EXPECT_EQ(saved_poses(), kFrames) << "lockstep leaves nothing out";
 }

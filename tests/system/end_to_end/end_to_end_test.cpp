@@ -101,6 +101,20 @@ TEST_F(EndToEnd, RunsInRealTimeWithoutTheMapper) {
   EXPECT_FALSE(std::filesystem::exists(out / "mesh.ply"));
 }
 
+TEST_F(EndToEnd, WatchesTwoMappersThatShareTheSpace) {
+  const auto out = folder_.path() / "out";
+  const std::string two_mappers = std::string(EGRAPH_SOURCE_DIR) + "/procman/two_mappers.pmd";
+  Program run("egraph-run", arguments(out, 10, {"--procman", two_mappers}));
+  ASSERT_EQ(run.wait(), 0) << run.output();
+  const std::string status = file_bytes(out / "status.json");
+  for (const char* number : {"0", "1"}) {
+    EXPECT_THAT(status, HasSubstr(std::string("\"mapper.") + number + "\": {"));
+    const auto mesh = io::read_ply(out / (std::string("mesh.") + number + ".ply"));
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_GT(mesh->triangles.size(), 1000u) << number;
+  }
+}
+
 TEST_F(EndToEnd, ALogHoldsAllMessagesAndGivesTheSameResultsAgain) {
   const auto out = folder_.path() / "out";
   const auto again = folder_.path() / "again";

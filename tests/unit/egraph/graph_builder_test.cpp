@@ -148,6 +148,14 @@ TEST(GraphBuilder, APotentialDirectionThatFindsAPartnerIsAVanishingDirection) {
   EXPECT_EQ(builder.graph().find_landmark(LandmarkId{1})->observations, 2);
 }
 
+TEST(GraphBuilder, TwoParallelSingleLinesOfOneViewAreAVanishingDirection) {
+  const Vector3d ramp = Vector3d(1, 0.5, 0).normalized();
+  GraphBuilder builder;
+  const GraphUpdate update = add(builder, keyframe(0, {{potential_direction, ramp}, {potential_direction, -ramp}}));
+  ASSERT_EQ(update.landmarks.size(), 1U);
+  EXPECT_EQ(update.landmarks[0].kind, vanishing_direction);
+}
+
 TEST(GraphBuilder, APotentialDirectionJoinsAVanishingDirection) {
   GraphBuilder builder;
   add(builder, keyframe(0, {kFloor, kEdges}));

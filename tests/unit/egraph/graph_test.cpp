@@ -155,6 +155,38 @@ TEST(Graph, OneKeyframeThatSeesALandmarkTwiceIsOneObserver) {
   EXPECT_EQ(sharing[0].shared.size(), 2U);
 }
 
+TEST(Graph, RelativePosesOfAKeyframeThatTheTrackerMovedAreMeasuredAgain) {
+  Graph graph;
+  base::Random random(1);
+  for (int id = 0; id < 4; ++id) {
+    GraphUpdate next = update(id, {});
+    next.keyframe.world_from_camera = test::random_pose(random);
+    if (id > 0) {
+      next.relative_poses.push_back(
+          {KeyframeId{id - 1}, KeyframeId{id}, test::random_pose(random), 0.1 * id * Matrix6d::Identity()});
+    }
+    ASSERT_TRUE(graph.apply(next));
+  }
+  const std::vector<RelativePose> before(graph.relative_poses_from(KeyframeId{0}).begin(),
+                                         graph.relative_poses_from(KeyframeId{0}).end());
+  GraphUpdate last = update(4, {});
+  last.moved = {{KeyframeId{1}, test::random_pose(random)}};
+  last.corrections = {{KeyframeId{2}, test::random_pose(random)}};  // no measurement
+  const geometry::Pose second = graph.find_keyframe(KeyframeId{2})->world_from_camera;
+  ASSERT_TRUE(graph.apply(last));
+  const std::span<const RelativePose> after = graph.relative_poses_from(KeyframeId{0});
+  ASSERT_EQ(after.size(), 3U);
+  const auto expect_equal = [](const geometry::Pose& a, const geometry::Pose& b) {
+    EXPECT_LT((a.rotation - b.rotation).norm(), 1e-12);
+    EXPECT_LT((a.translation - b.translation).norm(), 1e-12);
+  };
+  const geometry::Pose& moved = last.moved[0].world_from_camera;
+  expect_equal(after[0].first_from_second, graph.find_keyframe(KeyframeId{0})->world_from_camera.inverse() * moved);
+  expect_equal(after[1].first_from_second, moved.inverse() * second);
+  expect_equal(after[2].first_from_second, before[2].first_from_second);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(after[i].covariance, before[i].covariance);
+}
+
 TEST(Graph, ASnapshotIsTheWholeGraph) {
   Graph graph;
   ASSERT_TRUE(graph.apply(update(0, {kX, kY})));

@@ -35,6 +35,13 @@ TEST(SampleSurface, CoversTheAreaEvenly) {
   EXPECT_GE(samples.samples.size(), 400U);
 }
 
+TEST(SampleSurface, AVertexGoneAstrayTakesBoundedMemory) {
+  const Surface stray{{{0, 0, 0}, {1, 0, 0}, {0, 1e10F, 0}}, {{0, 1, 2}}};
+  const SurfaceSamples samples = sample_surface(stray.view(), 0.02);
+  EXPECT_EQ(samples.samples.size(), 1'000'000U);
+  EXPECT_NEAR(samples.samples.front().area, 5e3F, 1.0F);
+}
+
 TEST(SampleSurface, TrianglesWithoutAreaGiveNothing) {
   const Surface needle{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}, {0, 0, 0}}};
   EXPECT_TRUE(sample_surface(needle.view(), 0.1).samples.empty());

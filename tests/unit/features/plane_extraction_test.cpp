@@ -8,6 +8,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "common/features/plane_hull.hpp"
 #include "tests/support/plane_scenes.hpp"
 
 namespace eg::features {
@@ -203,6 +204,35 @@ TEST(PlaneOptions, NamesTheOptionThatIsOutOfRange) {
   options = {};
   options.max_error = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(validate(options).has_value());
+}
+
+/// Rays that run along the floor or above its horizon: their pixels are labelled, for in blocks of eight by eight some
+/// belong to what stands behind.
+TEST(PlaneHull, EndsAtTheReadingsWhereRaysDoNotMeetThePlane) {
+  constexpr double kWall = 6.0;  // metres from the camera, which is 1 m above the floor
+  const geometry::CameraModel camera = vga_camera(525.0);
+  cv::Mat depth(camera.height, camera.width, CV_32FC1);
+  for (int v = 0; v < depth.rows; ++v) {
+    const double below = camera.ray({0, v}).y();
+    depth.row(v).setTo(below > 1.0 / kWall ? 1.0 / below : kWall);
+  }
+  BlockGrid grid;
+  const PlaneOptions options;
+  build_blocks(depth, camera, options, PlaneTolerance(camera, 1.0, 64.0, {}), grid);
+  std::vector<PlaneFeature> floor(1);
+  floor[0].plane = plane_through({0, 1, 3}, {0, -1, 0});
+  floor[0].centroid = {0, 1, 3};
+  cv::Mat labels(depth.size(), CV_8UC1, cv::Scalar(0));
+  labels.rowRange(static_cast<int>(camera.cy) - 3, depth.rows).setTo(1);  // three rows above the horizon and below
+  add_hulls(labels, grid, floor);
+  ASSERT_GE(floor[0].hull.size(), 4U);
+  double farthest = 0.0;
+  for (const Eigen::Vector3d& corner : floor[0].hull) {
+    EXPECT_GT(corner.z(), 0.5);
+    EXPECT_NEAR(corner.y(), 1.0, 1e-3) << "on the plane";
+    farthest = std::max(farthest, corner.z());
+  }
+  EXPECT_NEAR(farthest, kWall, 4.0 * geometry::depth_sigma(kWall));
 }
 
 }  // namespace

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
+#include <limits>
+
 #include "common/base/random.hpp"
 #include "common/io/mesh_files.hpp"
 #include "common/io/pcd.hpp"
@@ -113,6 +117,19 @@ TEST_F(Ply, ReadsWhatOtherProgramsWrite) {
   EXPECT_EQ(data->triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}}));
 }
 
+TEST_F(Ply, ColoursThatNoByteHoldsBecomeTheNearest) {
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float red\nproperty float green\nproperty float blue\nend_header\n";
+  for (const float value : {1.0F, 2.0F, 3.0F, std::numeric_limits<float>::quiet_NaN(), -5.0F, 1e30F}) {
+    const auto number = std::bit_cast<std::array<char, sizeof value>>(value);
+    bytes.append(number.data(), number.size());
+  }
+  const auto data = read(bytes);
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_EQ(data->colours, (std::vector<mapping::Colour>{{0, 0, 255}}));
+}
+
 TEST_F(Ply, EveryTruncationIsFound) {
   const std::string whole = format_ply(view_of(random_mesh(4, 3)));
   for (std::size_t length = 0; length < whole.size(); ++length) {
@@ -131,6 +148,8 @@ TEST_F(Ply, SaysWhatIsWrong) {
   const auto ascii = [&](const std::string& rest) { return "ply\nformat ascii 1.0\n" + rest; };
   EXPECT_THAT(error(""), HasSubstr("m.ply: is empty"));
   EXPECT_THAT(error("solid stl\n"), HasSubstr("m.ply: is no PLY file"));
+  const std::string vertex = std::string("element vertex 1\n") + kVertex;
+  EXPECT_THAT(error(ascii(vertex + vertex + "end_header\n1 2 3\n4 5 6\n")), HasSubstr("holds vertices in two places"));
   EXPECT_THAT(error("ply\nformat binary_big_endian 1.0\nend_header\n"), HasSubstr("header line 2: format 'binary_big"));
   EXPECT_THAT(error(ascii("element vertex many\nend_header\n")), HasSubstr("header line 3: expected 'element NAME"));
   EXPECT_THAT(error(ascii("property float x\nend_header\n")), HasSubstr("header line 3: property before the first"));

@@ -230,6 +230,7 @@ TEST_F(DeputyTest, OrdersForAnotherHostAndOldOnesAreIgnored) {
   const auto at = now();
   deputy.handle(Orders{at.utime, "other", "s", commands, {}}, at);
   deputy.handle(Orders{at.utime - 60'000'001, "robot", "s", commands, {}}, at);
+  deputy.handle(Orders{INT64_MIN, "robot", "s", commands, {}}, at);
   step();
   EXPECT_THAT(infos_.back().commands, IsEmpty());
   deputy.handle(Orders{at.utime - 59'000'000, "robot", "s", commands, {}}, at);

@@ -73,12 +73,14 @@ TEST_F(SupervisorTest, RunsACommandAndPassesItsLinesOn) {
 }
 
 TEST_F(SupervisorTest, ReportsAnExitWithError) {
-  Supervisor& supervisor = make({command("a", "bash -c 'exit 3'"), command("b", "bash -c 'kill -9 $$'")});
-  supervisor.start(0);
-  ASSERT_TRUE(poll_until([&] { return !supervisor.busy(); }));
-  supervisor.start(1);
-  ASSERT_TRUE(poll_until([&] { return !supervisor.busy(); }));
-  EXPECT_THAT(problems_, ElementsAre("a ended with exit status 3", "b ended with signal 9 (Killed)"));
+  Supervisor& supervisor = make({command("a", "bash -c 'exit 3'"), command("b", "bash -c 'kill -9 $$'"),
+                                 command("c", "bash -c 'kill -40 $$'")});  // which has no description
+  for (const CommandId id : {0, 1, 2}) {
+    supervisor.start(id);
+    ASSERT_TRUE(poll_until([&] { return !supervisor.busy(); }));
+  }
+  EXPECT_THAT(problems_,
+              ElementsAre("a ended with exit status 3", "b ended with signal 9 (Killed)", "c ended with signal 40"));
   EXPECT_EQ(supervisor.outcome(0), Outcome::error);
 }
 

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 #include "common/synthetic/sequence.hpp"
 
 namespace eg::synthetic {
@@ -41,14 +39,6 @@ TEST(Structure, SlantedHasManyDirectionsAndTheirEdgesArePerpendicularToTheirPlan
   EXPECT_EQ(surfaces, scene.surfaces.size());
 }
 
-TEST(Structure, VisiblePixelsAddUpToTheImage) {
-  const SyntheticSequence sequence = sequence_of("room");
-  const SceneStructure structure = structure_of(sequence.scene());
-  const auto counts = visible_pixels(structure, sequence.render(100));
-  ASSERT_EQ(counts.size(), structure.planes.size());
-  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), 0), 640 * 480);
-}
-
 TEST(Structure, EdgesOfTheCornerAreSeenWhereTheCameraLooks) {
   const SyntheticSequence sequence = sequence_of("corner");
   const SceneStructure structure = structure_of(sequence.scene());
@@ -83,16 +73,6 @@ TEST(Structure, HiddenEdgesAreNotSeen) {
   }
   EXPECT_GT(in_first, 20);
   EXPECT_EQ(in_both, 0);
-}
-
-TEST(SampleSurfaces, LieOnSurfacesAndCoverTheirArea) {
-  const Scene scene = *make_scene("slanted", 1);
-  constexpr double kSpacing = 0.05;
-  const auto points = sample_surfaces(scene, kSpacing);
-  double area = 0.0;
-  for (const Surface& surface : scene.surfaces) area += surface.area();
-  EXPECT_NEAR(static_cast<double>(points.size()) * kSpacing * kSpacing, area, 0.05 * area);
-  for (std::size_t i = 0; i < points.size(); i += 101) EXPECT_NEAR(clearance(scene, points[i]), 0.0, 1e-9);
 }
 
 TEST(Sequence, FramesCarryTimeCameraAndSensorDepth) {

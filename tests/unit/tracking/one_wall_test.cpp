@@ -1,5 +1,5 @@
 // One white wall fills the view: two turns and a distance are measured, the rest is predicted.
-#include "common/tracking/observability.hpp"
+#include "common/tracking/pose_optimizer.hpp"
 #include "tests/unit/tracking/tracker_loop.hpp"
 
 namespace eg::tracking {
@@ -65,48 +65,51 @@ TEST_P(OneWall, SaysLostWhenTheTurnHasNotBeenSeenForLong) {
   EXPECT_LT(followed, 1000) << "half a minute is";
 }
 
-INSTANTIATE_TEST_SUITE_P(Cameras, OneWall, two_cameras(), camera_name);
-
-TEST(PredictedWhereUnobserved, TakesTheMeasuredPartOnly) {
-  base::Random random(4);
-  for (int trial = 0; trial < 50; ++trial) {
-    const Pose predicted = test::random_pose(random, 2.0);
-    Vector6d step;
-    step << test::normal_vector(random, 0.1), test::normal_vector(random, 0.1);
-    const Vector3d open = test::random_direction(random);
-    Matrix6d information = 1e6 * Matrix6d::Identity();
-    information.bottomRightCorner<3, 3>() -= (1e6 - 1.0) * open * open.transpose();
-    const Pose kept =
-        keep_predicted_where_unobserved({predicted, 0.04, 0.02}, perturb(predicted, step), information, 0.05);
-    const Vector6d taken = pose_difference(predicted, kept);
-    EXPECT_LT((taken.head<3>() - step.head<3>()).norm(), 1e-9);
-    EXPECT_NEAR(open.dot(taken.tail<3>()), 0.0, 1e-6);
-    const Vector3d measured = step.tail<3>() - open.dot(step.tail<3>()) * open;
-    EXPECT_LT((taken.tail<3>() - measured).norm(), 1e-6);
+/// Nothing else is known that could set right what was predicted: the first frame with more begins the map.
+TEST_P(OneWall, IsNoEndOfTheMapWhereItBegins) {
+  const FeatureSequence sequence =
+      test::record(test::make_room(oblique_room()), camera_, before_a_corner(camera_, 60), 23);
+  for (const std::size_t walls : {std::size_t{1}, std::size_t{10}}) {
+    SlamLoop slam;
+    for (std::size_t i = 0; i < 60; ++i) {
+      const Pose& truth = sequence.world_from_camera[i];
+      const PoseEstimate estimate =
+          slam.step(i < walls ? seen_as_one_wall(sequence.frames[i], truth) : sequence.frames[i]);
+      EXPECT_TRUE(estimate.has_pose) << "frame " << i << ": " << estimate.reason;
+      if (i == walls) {
+        EXPECT_EQ(estimate.state, TrackingState::rotation_only);
+        EXPECT_TRUE(estimate.keyframe.valid()) << estimate.reason;
+      }
+      if (i <= walls) continue;
+      EXPECT_EQ(estimate.state, TrackingState::tracking) << "frame " << i << ": " << estimate.reason;
+      EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 2.0 * kDegree);
+    }
   }
 }
 
+INSTANTIATE_TEST_SUITE_P(Cameras, OneWall, two_cameras(), camera_name);
+
 /// The turn about the wall's normal is not measured, and the landmark's normal is not quite that of the wall in the
 /// map: an unlimited turn would lift the camera off, a turn as far as the prediction allows does not.
-TEST(PredictedWhereUnobserved, KeepsTheDistanceFromASingleWall) {
+TEST(PredictedWhereUnobserved, TheDistanceFromASingleWallIsTheMeasuredOne) {
   base::Random random(5);
   for (int trial = 0; trial < 50; ++trial) {
     const Pose predicted = test::random_pose(random, 2.0);
-    const Vector3d wall = test::random_direction(random);
-    const Vector3d landmark = test::disturbed_direction(wall, 0.002, random);
-    const Vector3d centroid = -2.0 * wall + test::normal_vector(random, 0.3);
-    Eigen::Matrix<double, 1, 6> height;
-    height << centroid.cross(wall).transpose(), wall.transpose();
-    const Eigen::Matrix<double, 3, 2> basis = geometry::tangent_basis(landmark);
-    Matrix6d information = height.transpose() * height / (0.003 * 0.003);
-    information.topLeftCorner<3, 3>() += basis * basis.transpose() / (0.002 * 0.002);
-    Vector6d step;
-    step << Vector3d::Zero(), test::normal_vector(random, 0.03);
-    const Pose kept =
-        keep_predicted_where_unobserved({predicted, 0.04, 0.02}, perturb(predicted, step), information, 0.05);
-    const Vector3d taken = pose_difference(predicted, kept).tail<3>();
-    EXPECT_NEAR(taken.dot(wall), step.tail<3>().dot(wall), 0.001);
-    EXPECT_LT((taken - taken.dot(wall) * wall).norm(), 0.001);
+    const Vector3d wall = test::random_direction(random);  // in the camera frame, two metres away
+    const Vector3d centroid = -2.0 * wall + 0.3 * geometry::tangent_basis(wall) * Eigen::Vector2d(0.5, -0.7);
+    const double step = 0.03 * random.normal();  // towards the wall, not foreseen
+    PoseProblem problem;
+    problem.camera = *geometry::find_camera("tum_fr3");
+    problem.prior = known_within(predicted, 0.04, 0.02);
+    const Vector3d in_world = predicted.inverse().rotation * wall;
+    const Vector3d on_wall = predicted.inverse() * (centroid - step * wall);
+    problem.planes.push_back({{in_world, -in_world.dot(on_wall)}, centroid, 0.003});
+    const Eigen::Matrix3d tangential = 0.002 * 0.002 * (Eigen::Matrix3d::Identity() - wall * wall.transpose());
+    problem.directions.push_back({test::disturbed_direction(in_world, 0.002, random), wall, tangential});
+    const PoseSolution solution = optimize_pose(problem, predicted, FreeParameters::pose);
+    const Vector3d taken = pose_difference(predicted, solution.camera_from_world).tail<3>();
+    EXPECT_NEAR(taken.dot(wall), step, 0.005);
+    EXPECT_LT((taken - taken.dot(wall) * wall).norm(), 0.002) << "where nothing is measured";
   }
 }
 

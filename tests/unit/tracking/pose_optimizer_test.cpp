@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/tracking/observability.hpp"
+#include "common/tracking/pose_covariance.hpp"
 #include "tests/support/random_geometry.hpp"
 
 namespace eg::tracking {
@@ -23,7 +24,7 @@ class ProblemMaker {
   ProblemMaker(std::uint64_t seed, const char* camera, double noise = 0.0)
       : random_(seed), noise_(noise), truth_(test::random_pose(random_)) {
     problem_.camera = *geometry::find_camera(camera);
-    problem_.prior = {start(0.03, 0.05), 10.0, 10.0};
+    problem_.prior = known_within(start(0.03, 0.05), 10.0, 10.0);
   }
 
   [[nodiscard]] const Pose& truth() const { return truth_; }
@@ -105,10 +106,7 @@ class ProblemMaker {
 };
 
 /// The prior that the tracker has is weak; for exact answers it must be all but absent.
-void forget_prior(PoseProblem& problem) {
-  problem.prior.rotation_sigma = 1e6;
-  problem.prior.translation_sigma = 1e6;
-}
+void forget_prior(PoseProblem& problem) { problem.prior = known_within(problem.prior.camera_from_world, 1e6, 1e6); }
 
 class OptimizePose : public testing::TestWithParam<const char*> {
  protected:
@@ -214,11 +212,23 @@ TEST_P(OptimizePose, CovarianceIsConsistent) {
 
 TEST_P(OptimizePose, WithoutMeasurementsIsThePrior) {
   ProblemMaker maker(1, GetParam());
-  maker.problem().prior = {maker.truth(), 0.1, 0.1};
+  maker.problem().prior = known_within(maker.truth(), 0.1, 0.1);
   const PoseSolution solution = optimize_pose(maker.problem(), maker.start(0.05, 0.05), FreeParameters::pose);
   EXPECT_LT(maker.rotation_error(solution), 1e-6);
   EXPECT_LT(maker.translation_error(solution), 1e-6);
   EXPECT_TRUE(solution.information.isZero()) << "the prior is no measurement";
+}
+
+TEST_P(OptimizePose, TheCovarianceOfThePriorCarriesOverToWhatIsNotMeasured) {
+  PoseProblem problem;
+  problem.prior = known_within({}, 1e-6, 0.02);
+  problem.prior.covariance(3, 4) = problem.prior.covariance(4, 3) = 0.5 * 0.02 * 0.02;
+  // A wall across x is one millimetre nearer than predicted.
+  problem.planes.push_back({{Vector3d::UnitX(), -2.0}, {1.999, 0.0, 1.0}, 1e-5});
+  const Vector3d way = optimize_pose(problem, Pose{}, FreeParameters::pose).camera_from_world.translation;
+  EXPECT_NEAR(std::abs(way.x()), 0.001, 1e-5);
+  EXPECT_NEAR(way.y(), 0.5 * way.x(), 1e-5);
+  EXPECT_NEAR(way.z(), 0.0, 1e-6);
 }
 
 TEST_P(OptimizePose, PointsBehindTheCameraDoNoHarm) {
@@ -291,14 +301,14 @@ TEST(WorldCovariance, IsThatOfALeftPerturbationOfWorldFromCamera) {
     delta << geometry::so3_log(error.rotation), error.translation;
     sampled += delta * delta.transpose() / kSamples;
   }
-  const MotionPrior open{{}, 1e6, 1e6};
+  const MotionPrior open = known_within({}, 1e6, 1e6);
   const Matrix6d predicted = world_covariance(covariance.inverse(), open, world_from_camera);
   EXPECT_LT((sampled - predicted).norm(), 0.05 * predicted.norm());
   EXPECT_TRUE(predicted.isApprox(predicted.transpose(), 1e-15));
 }
 
 TEST(WorldCovariance, ThePriorBoundsWhatIsUnobserved) {
-  const MotionPrior prior{{}, 0.1, 0.2};
+  const MotionPrior prior = known_within({}, 0.1, 0.2);
   const Matrix6d covariance = world_covariance(Matrix6d::Zero(), prior, Pose{});
   EXPECT_NEAR(covariance(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(covariance(5, 5), 0.04, 1e-12);

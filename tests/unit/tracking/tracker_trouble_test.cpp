@@ -70,6 +70,27 @@ TEST_P(TrackerInTrouble, DirectionsThatLeadAwayFromAllPointsAreNotFollowed) {
   EXPECT_LT(errors.worst_translation, 0.04);
 }
 
+/// Ten frames a second, so that the prediction is less sharp than the gates of planes; every direction of ten frames is
+/// wrong by twenty degrees, each another way.
+TEST_P(TrackerInTrouble, ContradictoryDirectionsNeitherTurnTheCameraNorAKeyframe) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 6);
+  base::Random random(4);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 80; ++i) {
+    FrameFeatures frame = sequence.frames[i];
+    frame.header.utime *= 3;
+    for (std::size_t d = 0; i >= 40 && i < 50 && d < frame.directions.size(); ++d) {
+      const Eigen::Matrix3d turn = geometry::so3_exp(20.0 * kDegree * test::random_direction(random));
+      frame.directions[d].direction = turn * frame.directions[d].direction;
+      frame.directions[d].covariance = turn * frame.directions[d].covariance * turn.transpose();
+    }
+    EXPECT_EQ(slam.step(frame).state, TrackingState::tracking) << "frame " << i;
+  }
+  const test::LoopErrors errors = test::errors(slam.estimates(), sequence);
+  EXPECT_LT(errors.worst_rotation, 0.7 * kDegree);
+  EXPECT_LT(errors.worst_translation, 0.04);
+}
+
 TEST_P(TrackerInTrouble, AWhiteCornerIsFoundAgainToo) {
   const FeatureSequence sequence =
       test::record(test::make_room(white_room()), camera_, before_a_corner(camera_, 60), 14);
@@ -86,6 +107,34 @@ TEST_P(TrackerInTrouble, AWhiteCornerIsFoundAgainToo) {
   EXPECT_EQ(slam.estimates()[36].state, TrackingState::relocalised);
   EXPECT_EQ(slam.estimates().back().state, TrackingState::tracking);
   EXPECT_LT(test::errors(slam.estimates(), sequence).worst_translation, 0.04);
+}
+
+/// Somewhere in two seconds the camera may have turned to other walls, whose directions are as good.
+TEST_P(TrackerInTrouble, DirectionsAloneDoNotEndALongLoss) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 6);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 100; ++i) {
+    FrameFeatures frame = sequence.frames[std::min<std::size_t>(i, 50)];
+    frame.header = sequence.frames[i].header;
+    if (i >= 50) {
+      frame.points.clear();
+      frame.lines.clear();
+      std::erase_if(frame.directions,
+                    [](const auto& direction) { return direction.kind != features::DirectionKind::plane_normal; });
+      for (features::PlaneFeature& plane : frame.planes) {  // a metre behind those that are known
+        plane.plane.distance += 1.0;
+        plane.centroid -= plane.plane.normal;
+      }
+    }
+    if (i >= 50 && i < 95) {
+      frame.planes.clear();
+      frame.directions.clear();
+    }
+    const PoseEstimate estimate = slam.step(frame);
+    if (i < 50) continue;
+    EXPECT_EQ(estimate.state, TrackingState::lost) << "frame " << i;
+    EXPECT_FALSE(estimate.has_pose || estimate.keyframe.valid()) << "frame " << i;
+  }
 }
 
 TEST_P(TrackerInTrouble, RelocalisesAtAPlaceSeenLongAgo) {
@@ -156,6 +205,25 @@ TEST_P(TrackerInTrouble, OneStampFromTheFutureDoesNotShutOutTheNextFrames) {
   EXPECT_EQ(slam.step(sequence.frames[21]).state, TrackingState::tracking);
 }
 
+/// Three stamps from the future, which confirm each other, or somebody sets the clock: a second later time goes on.
+TEST_P(TrackerInTrouble, AClockThatWasSetBackIsFollowed) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 960), 8);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 70; ++i) {
+    FrameFeatures frame = sequence.frames[i];
+    if (i >= 20 && i < 23) frame.header.utime += 3'600'000'000;
+    const PoseEstimate estimate = slam.step(frame);
+    const bool shut_out = estimate.reason.find("time") != std::string::npos;
+    EXPECT_EQ(shut_out, i == 20 || (i >= 23 && i < 53)) << "frame " << i;
+    EXPECT_EQ(estimate.has_pose, !shut_out) << "frame " << i;
+  }
+  EXPECT_EQ(slam.estimates()[53].state, TrackingState::relocalised);
+  EXPECT_EQ(slam.estimates().back().state, TrackingState::tracking);
+  const test::LoopErrors errors = test::errors(slam.estimates(), sequence);
+  EXPECT_LT(errors.worst_rotation, 0.7 * kDegree);
+  EXPECT_LT(errors.worst_translation, 0.04);
+}
+
 TEST_P(TrackerInTrouble, ALongPauseTakesTwoFramesToBeBelieved) {
   const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 8);
   SlamLoop slam;
@@ -218,6 +286,30 @@ TEST_P(TrackerInTrouble, ALongGapBetweenFramesIsBridged) {
   EXPECT_LT(test::errors(slam.estimates(), sequence).worst_translation, 0.05);
 }
 
+/// Ten seconds without a frame, in which the camera comes back to where it was, or to where it was long ago.
+TEST_P(TrackerInTrouble, AfterTenSecondsWithoutAFrameNoPoseIsWrong) {
+  constexpr std::int64_t kGap = 10'000'000;  // microseconds
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 7);
+  for (const std::size_t first : {std::size_t{110}, std::size_t{0}}) {
+    SlamLoop slam;
+    for (std::size_t i = 0; i < 120; ++i) slam.step(sequence.frames[i]);
+    int found = 0;
+    for (std::size_t i = 0; i < 40; ++i) {
+      FrameFeatures frame = sequence.frames[first + i];
+      frame.header = sequence.frames[120 + i].header;
+      frame.header.utime += kGap;
+      const PoseEstimate estimate = slam.step(frame);
+      EXPECT_TRUE(test::is_sound(estimate));
+      if (!estimate.has_pose) continue;
+      ++found;
+      const Pose& truth = sequence.world_from_camera[first + i];
+      EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 1.0 * kDegree);
+      EXPECT_LT((estimate.world_from_camera.translation - truth.translation).norm(), 0.05);
+    }
+    EXPECT_GT(found, 25) << "from frame " << first;
+  }
+}
+
 /// Shortly after a loss the camera looks the other way in a box-shaped room: three planes fit a pose that is 180
 /// degrees off.
 TEST_P(TrackerInTrouble, PlanesAloneAreNoProofWhereManyPointsContradict) {
@@ -252,6 +344,23 @@ TEST_P(TrackerInTrouble, ALongStepIsNoProofEither) {
     EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 1.0 * kDegree);
   }
   EXPECT_GT(found, 30);
+}
+
+/// The same when a dozen points happen to look like those that were expected.
+TEST_P(TrackerInTrouble, ADozenOfManyExpectedPointsIsNoProofEither) {
+  const FeatureSequence sequence = test::record(test::make_room(oblique_room()), camera_, walk_around(camera_, 240), 7);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 120; ++i) slam.step(sequence.frames[i]);
+  FrameFeatures turned = sequence.frames[0];
+  const std::vector<features::PointFeature>& expected = sequence.frames[119].points;
+  turned.points.insert(turned.points.end(), expected.begin(), expected.begin() + 12);
+  turned.header = sequence.frames[120].header;
+  turned.header.utime += 600'000;
+  const PoseEstimate estimate = slam.step(turned);
+  ASSERT_TRUE(estimate.has_pose) << estimate.reason;
+  EXPECT_EQ(estimate.state, TrackingState::relocalised);
+  const Pose& truth = sequence.world_from_camera[0];
+  EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 1.0 * kDegree);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cameras, TrackerInTrouble, two_cameras(), camera_name);

@@ -6,14 +6,12 @@
 
 #include <fstream>
 
-#include "common/transport/log_bus.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/transport/recorder.hpp"
 
 namespace eg::transport {
 namespace {
 
-using std::chrono::milliseconds;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -162,39 +160,6 @@ TEST_F(EventLog, SaysWhatCannotBeOpened) {
   ASSERT_FALSE(reader);
   EXPECT_THAT(reader.error().message, HasSubstr("absent.lcm: No such file"));
   EXPECT_FALSE(EventLogWriter::create(folder_.path() / "absent" / "run.lcm"));
-}
-
-TEST_F(EventLog, BusReplaysItsPrefixInOrder) {
-  write_three();
-  auto bus = LogBus::open({.input = path_, .channel_prefix = "EG1_", .output = std::nullopt});
-  ASSERT_TRUE(bus) << bus.error().message;
-  Recorder recorder;
-  ASSERT_TRUE((*bus)->subscribe("A", recorder.handler(), 1));
-  ASSERT_TRUE((*bus)->subscribe("B", recorder.handler(), 1));
-  EXPECT_EQ((*bus)->handle(milliseconds(0)).value(), 1);
-  EXPECT_EQ((*bus)->handle(milliseconds(0)).value(), 1);
-  EXPECT_THAT(recorder.channels, ElementsAre("A", "B"));
-  EXPECT_THAT(recorder.utimes, ElementsAre(1'000'000, 3'000'000));
-  EXPECT_FALSE((*bus)->ended());
-  EXPECT_FALSE((*bus)->handle(milliseconds(0)));
-  EXPECT_TRUE((*bus)->ended());
-  EXPECT_FALSE((*bus)->publish("A", {}));
-}
-
-TEST_F(EventLog, BusKeepsWhatIsPublishedWhileReplaying) {
-  write_three();
-  const auto output = folder_.path() / "answers.lcm";
-  auto bus = LogBus::open({.input = path_, .channel_prefix = "EG1_", .output = output});
-  ASSERT_TRUE(bus);
-  const auto answer = [&](const ReceivedMessage& m) { ASSERT_TRUE((*bus)->publish("ANSWER", m.bytes)); };
-  ASSERT_TRUE((*bus)->subscribe("B", answer, 0));
-  while ((*bus)->handle(milliseconds(0))) continue;
-  auto reader = EventLogReader::open(output);
-  ASSERT_TRUE(reader);
-  const auto event = reader->next();
-  ASSERT_TRUE(event && *event);
-  EXPECT_EQ((*event)->channel, "EG1_ANSWER");
-  EXPECT_EQ((*event)->utime, 3'000'000);
 }
 
 }  // namespace
