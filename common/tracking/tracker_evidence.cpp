@@ -71,9 +71,11 @@ bool Tracker::directions_are_unmistakable(const Frame& frame) const {
 
 bool Tracker::misses_expected_points(const Frame& frame) const {
   const auto expected = visible_points(frame.features.camera, map_, frame.near_points, frame.camera_from_world);
-  return static_cast<int>(expected.size()) >= options_.min_expected_points &&
-         static_cast<int>(frame.features.points.size()) >= options_.min_expected_points &&
-         frame.solution.inlier_points() < options_.min_points_without_planes;
+  const auto possible = static_cast<int>(std::min(expected.size(), frame.features.points.size()));
+  // Whoever is lost may be anywhere: as many have to agree as at any known place, or half where there are few.
+  const int enough = lost_ ? std::min(options_.relocaliser.min_inliers, possible / 2) : 0;
+  return possible >= options_.min_expected_points &&
+         frame.solution.inlier_points() < std::max(enough, options_.min_points_without_planes);
 }
 
 bool Tracker::points_contradict(const Frame& frame) const {

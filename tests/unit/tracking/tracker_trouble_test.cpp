@@ -363,6 +363,28 @@ TEST_P(TrackerInTrouble, ADozenOfManyExpectedPointsIsNoProofEither) {
   EXPECT_LT(geometry::rotation_angle_between(estimate.world_from_camera.rotation, truth.rotation), 1.0 * kDegree);
 }
 
+/// After a loss, in a place never seen, ten of hundreds of points fit where the camera was last.
+TEST_P(TrackerInTrouble, TenOfHundredsAreNoEndOfALoss) {
+  test::RoomOptions room = oblique_room();
+  room.corners_per_wall = 300;
+  const FeatureSequence sequence = test::record(test::make_room(room), camera_, walk_around(camera_, 240), 9);
+  SlamLoop slam;
+  for (std::size_t i = 0; i < 30; ++i) slam.step(sequence.frames[i]);
+  FrameFeatures nothing;
+  nothing.camera = camera_;
+  nothing.header = sequence.frames[30].header;
+  EXPECT_EQ(slam.step(nothing).state, TrackingState::lost);
+  FrameFeatures elsewhere = sequence.frames[150];  // the opposite wall
+  ASSERT_GT(elsewhere.points.size(), 120U);
+  const std::vector<features::PointFeature>& last = sequence.frames[29].points;
+  elsewhere.points.insert(elsewhere.points.end(), last.begin(), last.begin() + 10);
+  elsewhere.header = sequence.frames[31].header;
+  elsewhere.header.utime += 1'200'000;
+  const PoseEstimate estimate = slam.step(elsewhere);
+  EXPECT_EQ(estimate.state, TrackingState::lost) << estimate.matched_points << " points";
+  EXPECT_FALSE(estimate.has_pose || estimate.keyframe.valid());
+}
+
 INSTANTIATE_TEST_SUITE_P(Cameras, TrackerInTrouble, two_cameras(), camera_name);
 
 }  // namespace
